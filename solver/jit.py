@@ -1,0 +1,89 @@
+"""The one `kernel` decorator: numba machine code cached under a hash of the sources it is made of.
+
+numba's own cache does not renew a caller whose callee in another file was edited. Here the cache
+folder of a kernel is ``<user cache>/febkit/<hash>`` where the hash covers the file of the kernel and
+every solver file it imports, directly or not; an edit anywhere below moves to a fresh folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+_ROOT = Path(__file__).resolve().parent
+_IMPORT = re.compile(r"^\s*from\s+(\.+)([\w.]*)\s+import\s+\(?([^)#\n]*)", re.M)
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def cache_root() -> Path:
+    """Folder of all cached machine code; ``FEBKIT_CACHE`` overrides the user's cache folder."""
+    own = os.environ.get("FEBKIT_CACHE")
+    if own:
+        return Path(own)
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = str(Path.home() / "Library" / "Caches")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "febkit"
+
+
+@lru_cache(maxsize=None)
+def _imports(path: Path) -> tuple[Path, ...]:
+    """Solver files that a solver file imports by relative imports."""
+    found = set()
+    for dots, module, names in _IMPORT.findall(path.read_text()):
+        base = path.parent
+        for _ in range(len(dots) - 1):
+            base = base.parent
+        base = base.joinpath(*module.split(".")) if module else base
+        candidates = [base.with_suffix(".py"), base / "__init__.py"]
+        candidates += [base / f"{n.split(' as ')[0].strip()}.py" for n in names.split(",")]
+        found |= {c for c in candidates if c.is_file()}
+    return tuple(sorted(found))
+
+
+@lru_cache(maxsize=None)
+def source_hash(path: Path) -> str:
+    """sha256 over a solver file and all solver files below it, and the versions that compile them."""
+    todo, seen = [path], set()
+    while todo:
+        p = todo.pop()
+        if p not in seen:
+            seen.add(p)
+            todo += _imports(p)
+    h = hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]}".encode())
+    for p in sorted(seen):
+        h.update(p.name.encode())
+        h.update(p.read_bytes())
+    return h.hexdigest()[:24]
+
+
+def kernel(fn: F | None = None, **options: Any) -> Any:
+    """``numba.njit(nogil=True, cache=True)`` with the cache folder described above.
+
+    Kernels release the GIL: the solver runs them on slices of the elements from a pool of threads.
+    Kernels take arrays and scalars only (a kernel passed as an argument would recompile per process).
+    """
+    if fn is None:
+        return lambda f: kernel(f, **options)
+    path = Path(fn.__code__.co_filename).resolve()
+    folder = cache_root() / source_hash(path)
+    old = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+        return numba.njit(nogil=True, cache=True, error_model="numpy", **options)(fn)
+    except OSError:  # a read-only home: compile without a cache rather than fail
+        return numba.njit(nogil=True, error_model="numpy", **options)(fn)
+    finally:
+        numba.config.CACHE_DIR = old  # type: ignore[attr-defined]

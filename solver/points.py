@@ -1,0 +1,43 @@
+"""What a material sees: a batch of integration points, and where it puts its answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Points:
+    """``n`` integration points of one block at one instant. Voigt order xx yy zz xy yz xz throughout.
+
+    F (n, 3, 3) deformation gradient; J (n,) its determinant; X (n, 3) reference positions;
+    e (n,) element index within the block; Q (1|n, 3, 3) local material axes as columns, or None for the
+    global axes; old/new (n, h) history at the last converged and at the present state (h = what the
+    material asks for); t, dt time and step size (dt = 0 outside a time step).
+    """
+
+    F: Floats
+    J: Floats
+    X: Floats
+    e: NDArray[np.int64]
+    t: float = 0.0
+    dt: float = 0.0
+    Q: Floats | None = None
+    old: Floats | None = None
+    new: Floats | None = None
+    extra: dict[str, Floats] = field(default_factory=dict)
+
+    @property
+    def n(self) -> int:
+        return len(self.J)
+
+    @classmethod
+    def at(cls, F: Floats, **kw: object) -> Points:
+        """Points at rest in space, for a test or a material driver: only ``F`` matters."""
+        F = np.ascontiguousarray(F, dtype=float).reshape(-1, 3, 3)
+        n = len(F)
+        return cls(F=F, J=np.linalg.det(F), X=np.zeros((n, 3)), e=np.arange(n), **kw)  # type: ignore[arg-type]

@@ -1,0 +1,85 @@
+"""Numbers of a model that may vary in time and space.
+
+A value is evaluated at time ``t`` for ``n`` places: reference positions ``X`` (n, 3) and, for element
+maps, element indices ``e`` (n,) into the block at hand. It returns an array of shape (1,) where it does
+not vary in space, else (n,). Values know nothing of files: the caller hands in controllers as callables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Value(Protocol):
+    @property
+    def constant(self) -> bool:
+        """True where neither time nor place matters."""
+        ...
+
+    @property
+    def steady(self) -> bool:
+        """True where time does not matter."""
+        ...
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """One number."""
+
+    number: float
+    constant: bool = True
+    steady: bool = True
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        return np.array([self.number])
+
+
+@dataclass(frozen=True, slots=True)
+class Scaled:
+    """``base * controller(t)``: a parameter with a load curve."""
+
+    base: Value
+    controller: Callable[[float], float]
+    constant: bool = False
+    steady: bool = False
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        return self.base(t, X, e) * self.controller(t)
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """``f(X, Y, Z, t)`` of numpy arrays, compiled by the caller from a checked formula."""
+
+    function: Callable[[Floats, Floats, Floats, float], Floats | float]
+    steady: bool = False
+    constant: bool = False
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        v = self.function(X[:, 0], X[:, 1], X[:, 2], t)
+        return np.atleast_1d(np.asarray(v, dtype=float))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Map:
+    """One number for each element of a block (or each item of the set the value lives on)."""
+
+    data: Floats
+    constant: bool = False
+    steady: bool = True
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        return self.data if e is None else self.data[e]
+
+
+def as_value(v: float | int | Value) -> Value:
+    return Constant(float(v)) if isinstance(v, (int, float, np.floating, np.integer)) else v
