@@ -1,0 +1,1 @@
+"""FEBio's plotfile (.xplt): container, reader, writer. Importing the writer costs numpy only."""

@@ -1,0 +1,225 @@
+"""Writes a plotfile state by state, as FEBio 4.11 does (version 0x35); needs only numpy."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import encode, tags
+from .records import PlotMesh, PlotVariable
+
+Data = Mapping[str | int, Mapping[int, ArrayLike] | ArrayLike]
+
+
+class PlotWriter:
+    """A plotfile being written. Every state is flushed whole, so a reader sees complete states only.
+
+    ``data`` of a state maps a variable's name (or place in ``variables``, where two share a name) to
+    ``{region: values}``. A region is 0 (all nodes, or
+    global), a domain's index + 1, or a surface's index + 1. One bare array stands for all regions: rows by
+    node for nodal variables and for domain variables of format "node", rows by element (domains one after
+    the other) for format "item". A variable left out is written empty, as FEBio does where a field does
+    not exist.
+    """
+
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        mesh: PlotMesh,
+        variables: Sequence[PlotVariable],
+        version: int = 0x35,
+        compress: bool = False,
+        software: str | None = "febkit",
+        units: str | None = None,
+        author: str | None = None,
+    ) -> None:
+        if version not in (0x30, 0x31, 0x32, 0x33, 0x34, 0x35):
+            raise ValueError(f"plotfile versions 0x30 to 0x35 can be written, not {version:#x}")
+        self.version = version
+        self.compress = compress
+        self.variables = tuple(variables)
+        self._keys = frozenset([v.name for v in variables]) | frozenset(range(len(variables)))
+        self._head = encode.block(
+            tags.ROOT,
+            encode.header(version, compress, software, units, author),
+            encode.dictionary(self.variables, units is not None),
+        )
+        self._meshes = 0
+        self._file = open(path, "wb")  # noqa: SIM115 (held open until close)
+        try:
+            self._append([struct.pack("<I", tags.MAGIC), self._head])
+            self.mesh(mesh)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def mesh(self, mesh: PlotMesh) -> None:
+        """Write a mesh section: the first, or one that replaces it for the states that follow."""
+        self._mesh = mesh
+        self._sizes = _Sizes(mesh)
+        body = encode.mesh(mesh, self.version)
+        # FEBio's first mesh is plain even where states are compressed
+        self._append([zlib.compress(body) if self.compress and self._meshes else body])
+        self._meshes += 1
+
+    def state(
+        self,
+        time: float,
+        data: Data,
+        status: int = 0,
+        element_state: ArrayLike | None = None,
+        objects: bytes = b"",
+    ) -> None:
+        """Append one state; ``status`` 0 converged, 1 the mesh changed, 2 not converged.
+
+        ``element_state`` holds one flag per element (bit 0: active), all active where None.
+        """
+        unknown = [n for n in data if n not in self._keys]
+        if unknown:
+            raise ValueError(f"not in the plotfile's dictionary: {', '.join(map(repr, unknown))}")
+        head = encode.block(tags.STATE_HDR_TIME, struct.pack("<f", time))
+        if self.version >= 0x31:
+            head += encode.integer(tags.STATE_STATUS, status)
+        flags = np.ones(self._mesh.n_elements, "<u4")
+        if element_state is not None:
+            flags = np.asarray(element_state, "<u4")
+        if len(flags) != self._mesh.n_elements:
+            raise ValueError(f"element_state has {len(flags)} flags for {self._mesh.n_elements} elements")
+        parts = [
+            encode.block(tags.STATE_HEADER, head),
+            encode.block(tags.MESH_STATE, encode.block(tags.ELEMENT_STATE, flags.tobytes())),
+            *self._state_data(data),
+        ]
+        if objects:
+            parts.append(encode.block(tags.OBJECTS_STATE, objects))
+        whole = _wrap(tags.STATE, parts)
+        self._append([zlib.compress(b"".join(whole))] if self.compress else whole)
+
+    def _state_data(self, data: Data) -> list[bytes]:
+        sections: list[bytes] = []
+        for section, (_, tag) in tags.SECTIONS.items():
+            body: list[bytes] = []
+            mine = [(i, v) for i, v in enumerate(self.variables) if v.section == section]
+            for number, (i, v) in enumerate(mine, start=1):
+                regions: list[bytes] = []
+                for region, values in self._sizes.regions(v, data.get(i, data.get(v.name))):
+                    regions += [struct.pack("<II", region, values.nbytes), values.tobytes()]
+                var = [encode.integer(tags.STATE_VAR_ID, number), *_wrap(tags.STATE_VAR_DATA, regions)]
+                body += _wrap(tags.STATE_VARIABLE, var)
+            if body:
+                sections += _wrap(tag, body)
+        return _wrap(tags.STATE_DATA, sections)
+
+    def _append(self, parts: Sequence[bytes]) -> None:
+        """Write and flush; a failed write (a full disk) leaves the file as it was."""
+        start = self._file.tell()
+        try:
+            for p in parts:
+                self._file.write(p)
+            self._file.flush()
+        except OSError:
+            self._file.truncate(start)
+            raise
+
+    def close(self) -> None:
+        self._file.close()
+
+    def __enter__(self) -> PlotWriter:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def _wrap(tag: int, parts: Sequence[bytes]) -> list[bytes]:
+    """A block whose payload stays in pieces, so that large arrays are copied once."""
+    size = sum(map(len, parts))
+    if size > encode.LIMIT:
+        raise ValueError(f"a plotfile state holds at most 4 GiB, this one needs {size} bytes")
+    return [struct.pack("<II", tag, size), *parts]
+
+
+class _Sizes:
+    """How many values each region of each format holds on a mesh, found when first needed."""
+
+    def __init__(self, mesh: PlotMesh) -> None:
+        self.mesh = mesh
+        self._nodes: dict[tuple[str, int], np.ndarray] = {}
+
+    def nodes(self, section: str, region: int) -> np.ndarray:
+        """Node indices of a region, in the order of FMT_NODE data."""
+        key = (section, region)
+        if key not in self._nodes:
+            self._nodes[key] = self._of(section)[region - 1].nodes()
+        return self._nodes[key]
+
+    def _of(self, section: str) -> Sequence:
+        m = self.mesh
+        return {"domain": m.domains, "surface": m.surfaces, "edge": m.edges}[section]
+
+    def regions(self, v: PlotVariable, given: object) -> list[tuple[int, np.ndarray]]:
+        """(region, float32 values) of a variable, sizes checked."""
+        if given is None:
+            return []
+        by_region = given if isinstance(given, Mapping) else self._split(v, np.asarray(given))
+        out = []
+        for region, values in by_region.items():
+            a = np.ascontiguousarray(values, "<f4")
+            if v.format == "mult" and v.section in ("surface", "edge") and a.ndim >= 2:
+                a = self._pad(v, region, a)
+            want = self.items(v, region) * v.values
+            if a.size != want:
+                raise ValueError(f"{v.name!r}, region {region}: {a.size} values where {want} belong")
+            out.append((int(region), a))
+        return out
+
+    def items(self, v: PlotVariable, region: int) -> int:
+        """Items of a region: nodes, elements, or elements times local nodes."""
+        if v.section == "global":
+            return 1
+        if v.section in ("node", "material"):
+            return len(self.mesh.node_ids) if v.section == "node" else 1
+        of = self._of(v.section)
+        if not 1 <= region <= len(of):
+            raise ValueError(f"{v.name!r}: no {v.section} {region}, there are {len(of)}")
+        r = of[region - 1]
+        rows, width = r.conn.shape if v.section == "domain" else r.rows().shape
+        if v.section == "edge":
+            width = max(width, 3)
+        if v.format == "node":
+            return len(self.nodes(v.section, region))
+        return int({"item": rows, "mult": rows * width, "region": 1}[v.format])
+
+    def _split(self, v: PlotVariable, a: np.ndarray) -> dict[int, np.ndarray]:
+        """One bare array to regions."""
+        if v.section in ("node", "global", "material"):
+            return {0: a}
+        of = self._of(v.section)
+        if v.format == "node" and a.size == len(self.mesh.node_ids) * v.values:
+            rows = a.reshape(len(self.mesh.node_ids), v.values)
+            return {i + 1: rows[self.nodes(v.section, i + 1)] for i in range(len(of))}
+        if v.format == "item":
+            sizes = [len(r.element_ids) if v.section == "domain" else len(r.rows()) for r in of]
+            if a.size == sum(sizes) * v.values:
+                parts = np.split(a.reshape(-1, v.values), np.cumsum(sizes)[:-1])
+                return {i + 1: p for i, p in enumerate(parts)}
+        if v.format == "region" and a.size == len(of) * v.values:
+            return {i + 1: r for i, r in enumerate(a.reshape(len(of), v.values))}
+        if len(of) == 1:
+            return {1: a}
+        raise ValueError(f"{v.name!r}: give {{region: values}}; {a.size} values do not fit {len(of)} regions")
+
+    def _pad(self, v: PlotVariable, region: int, a: np.ndarray) -> np.ndarray:
+        """Zero-pad facets to the widest of the surface."""
+        rows = len(a)
+        width = self.items(v, region) // max(rows, 1)
+        have = a.size // max(rows * v.values, 1)
+        if have >= width:
+            return a
+        return np.pad(a.reshape(rows, have, v.values), ((0, 0), (0, width - have), (0, 0)))
