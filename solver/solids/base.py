@@ -1,9 +1,29 @@
-"""What a solid material is: a record of values with a stress and a tangent over a batch of points."""
+"""What a solid material is: a record of values with a stress and a tangent over a batch of points.
+
+Names. A dataclass field of a record is FEBio's tag, with ``_`` added where Python keeps the word for
+itself (``lambda_``); see :func:`.registry.field_name`. ``parameters`` are numbers that may vary in time
+and space (:class:`..values.Value`), ``options`` are plain integers (flags and enumerations) and
+``properties`` are child records or direction fields.
+
+Axes. ``pts.Q`` holds the axes handed down from above. A record with its own ``mat_axis`` multiplies it
+in: Q = Q_above Q_own (:meth:`Solid.inner`), and hands the product to its children and fibers.
+
+Nested deformation. A material that loads a child with another deformation gradient (growth, prestrain,
+generations) hands it a copy of the points made by :func:`deformed`; history columns are shared, as each
+node of the tree owns its own columns.
+
+History. ``history`` is the number of columns a node owns; ``offset`` its first column, set by
+:func:`.history.layout`. ``pts.old`` is the state at the last converged time and is never written;
+every evaluation writes the columns of ``pts.new`` anew from ``pts.old``, ``F``, ``t`` and ``dt``. The loop
+makes ``old`` from ``new`` when a step has converged. ``initial(n)`` gives the state before the first
+step. A material whose memory grows with time enlarges ``history`` in ``room``, which the loop calls
+through :func:`.history.begin` before each step.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterator, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +33,19 @@ from ..points import Points
 from ..values import Value, as_value
 
 Floats = NDArray[np.float64]
+Number = Value | float
+
+NO_TANGENT = np.empty((0, 6, 6))
+
+
+@dataclass(frozen=True)
+class Property:
+    """A child of a material: its registry table, and whether there may be several or none."""
+
+    table: str
+    many: bool = False
+    optional: bool = False
+    default: str | None = None  # type taken where the file names none
 
 
 @dataclass(eq=False)
@@ -24,19 +57,30 @@ class Solid:
     """
 
     parameters: ClassVar[tuple[str, ...]] = ()
-    history: ClassVar[int] = 0  # doubles per integration point, the node's own (children not counted)
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
+    history: int = field(default=0, init=False, repr=False)  # columns of the node's own, children not counted
     symmetric: ClassVar[bool] = True  # the tangent has major symmetry
     uncoupled: ClassVar[bool] = False
+    density_: Number = field(default=1.0, kw_only=True)  # per reference volume; the root's counts
+    mat_axis: Any = field(default=None, kw_only=True)  # local axes: pts -> (1|n, 3, 3), columns
     _par: Floats | None = field(default=None, init=False, repr=False)
-    offset: int = field(default=0, init=False, repr=False)  # first history column, set by the block
+    offset: int = field(default=0, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in self.parameters:
             setattr(self, name, as_value(getattr(self, name)))
 
+    @classmethod
+    def defaults(cls) -> dict[str, float]:
+        """Parameters and options with the numbers taken where the file gives none."""
+        wanted = cls.parameters + cls.options
+        by_name = {f.name: f.default for f in fields(cls)}
+        return {n: float(by_name[n]) for n in wanted if by_name[n] is not MISSING}  # type: ignore[arg-type]
+
     @property
     def children(self) -> Sequence[Solid]:
-        """Solids below this one in the material tree."""
+        """Records below this one in the material tree."""
         out: list[Solid] = []
         for f in fields(self):
             v = getattr(self, f.name)
@@ -45,6 +89,12 @@ class Solid:
             elif isinstance(v, (tuple, list)):
                 out += [x for x in v if isinstance(x, Solid)]
         return out
+
+    def walk(self) -> Iterator[Solid]:
+        """This record and all below it."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
 
     def par(self, pts: Points) -> Floats:
         """Parameters at the points: (1, k) where uniform, else (n, k), in the order of ``parameters``."""
@@ -62,8 +112,21 @@ class Solid:
 
     def density(self, pts: Points) -> Floats:
         """Referential mass density (1|n,)."""
-        v: Any = getattr(self, "rho", None)
-        return np.zeros(1) if v is None else as_value(v)(pts.t, pts.X, pts.e)
+        return as_value(self.density_)(pts.t, pts.X, pts.e)
+
+    def inner(self, pts: Points) -> Points:
+        """The points as seen with this record's own axes multiplied in."""
+        if self.mat_axis is None:
+            return pts
+        own = np.asarray(self.mat_axis(pts))
+        return replace(pts, Q=np.ascontiguousarray(own if pts.Q is None else pts.Q @ own))
+
+    def initial(self, n: int) -> Floats:
+        """History of ``n`` points before the first step (n, history)."""
+        return np.zeros((n, self.history))
+
+    def room(self, pts: Points) -> None:
+        """Enlarge ``history`` where the coming step needs it (``pts.old`` has the columns so far)."""
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         raise NotImplementedError
@@ -71,3 +134,22 @@ class Solid:
     def energy(self, pts: Points) -> Floats:
         """Strain energy per reference volume (n,)."""
         raise NotImplementedError(f"{type(self).__name__} gives no strain energy")
+
+
+def wanted(c: Floats | None) -> Floats:
+    """The tangent as kernels take it: without rows where none is wanted."""
+    return NO_TANGENT if c is None else c
+
+
+def deformed(pts: Points, F: Floats) -> Points:
+    """The same points under another deformation gradient ``F`` (n, 3, 3)."""
+    F = np.ascontiguousarray(F)
+    return replace(pts, F=F, J=np.linalg.det(F))
+
+
+def evaluate(solid: Solid, pts: Points, tangent: bool = True) -> tuple[Floats, Floats | None]:
+    """Stress (n, 6) and, where wanted, tangent (n, 6, 6) of ``solid`` alone."""
+    s = np.zeros((pts.n, 6))
+    c = np.zeros((pts.n, 6, 6)) if tangent else None
+    solid.stress(pts, s, c)
+    return s, c

@@ -1,0 +1,209 @@
+"""Element integrals of the biphasic mixture (u-p, backward Euler, FEBio theory manual, biphasic FE).
+
+p rows: dt * [ sum (w . grad N + (phi_hat - div v) N) ] with div v = (1 - J_prev / J) / dt,
+w = -K grad p. Component-major element matrices with the pressure as fourth component.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..jit import kernel
+from .solid import add_point_stiffness, gradients
+
+
+@kernel
+def pressures(lo, hi, conn, N, dN, iJ0, F, J, p, pg, gp):
+    """Fluid pressure pg (m, g) and its spatial gradient gp (m, g, 3) of elements lo:hi."""
+    nen = conn.shape[1]
+    G = np.empty((3, nen))
+    for e in range(lo, hi):
+        for g in range(dN.shape[0]):
+            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            v = x = y = z = 0.0
+            for a in range(nen):
+                q = p[conn[e, a]]
+                v += N[g, a] * q
+                x += G[0, a] * q
+                y += G[1, a] * q
+                z += G[2, a] * q
+            pg[e, g] = v
+            gp[e, g, 0] = x
+            gp[e, g, 1] = y
+            gp[e, g, 2] = z
+
+
+@kernel
+def flux(lo, hi, k, gp, drive, w):
+    """Fluid flux w = -K (grad p - drive) for chunk permeabilities k (n, 6), gp and w (m, g, 3).
+
+    ``drive`` (n, 3) is the body force on the fluid (true density times force), or of length 0.
+    """
+    ng = gp.shape[1]
+    for e in range(lo, hi):
+        for g in range(ng):
+            i = (e - lo) * ng + g
+            x, y, z = gp[e, g, 0], gp[e, g, 1], gp[e, g, 2]
+            if drive.shape[0] > 0:
+                x -= drive[i, 0]
+                y -= drive[i, 1]
+                z -= drive[i, 2]
+            w[e, g, 0] = -(k[i, 0] * x + k[i, 3] * y + k[i, 5] * z)
+            w[e, g, 1] = -(k[i, 3] * x + k[i, 1] * y + k[i, 4] * z)
+            w[e, g, 2] = -(k[i, 5] * x + k[i, 4] * y + k[i, 2] * z)
+
+
+@kernel
+def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt, steady, R):
+    """Subtract the internal force of elements lo:hi from R (node, 4).
+
+    s: solid (effective) stress; p (m, g) pressure; w (m, g, 3) flux; supply (m, g) or (0, 0).
+    ``steady`` drops div v (steady-state analysis).
+    """
+    nen = conn.shape[1]
+    G = np.empty((3, nen))
+    f = np.empty((4, nen))
+    for e in range(lo, hi):
+        f[:] = 0.0
+        for g in range(dN.shape[0]):
+            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            v = wJ0[e, g] * J[e, g]
+            q = p[e, g]
+            s0, s1, s2 = (s[e, g, 0] - q) * v, (s[e, g, 1] - q) * v, (s[e, g, 2] - q) * v
+            s3, s4, s5 = s[e, g, 3] * v, s[e, g, 4] * v, s[e, g, 5] * v
+            w0, w1, w2 = w[e, g, 0] * v * dt, w[e, g, 1] * v * dt, w[e, g, 2] * v * dt
+            # dt (phi_hat - div v) w j, with dt div v = 1 - J_prev / J
+            h = 0.0 if steady else -wJ0[e, g] * (J[e, g] - Jp[e, g])
+            if supply.shape[0] > 0:
+                h += supply[e, g] * v * dt
+            for a in range(nen):
+                x, y, z = G[0, a], G[1, a], G[2, a]
+                f[0, a] += s0 * x + s3 * y + s5 * z
+                f[1, a] += s3 * x + s1 * y + s4 * z
+                f[2, a] += s5 * x + s4 * y + s2 * z
+                f[3, a] += w0 * x + w1 * y + w2 * z + h * N[g, a]
+        for a in range(nen):
+            n = conn[e, a]
+            R[n, 0] -= f[0, a]
+            R[n, 1] -= f[1, a]
+            R[n, 2] -= f[2, a]
+            R[n, 3] -= f[3, a]
+
+
+@kernel
+def stiffness(lo, hi, N, dN, iJ0, wJ0, F, J, s, c, p, k, dt, steady, K):
+    """Tangent of elements lo:hi into K (hi - lo, 4n, 4n), symmetric part.
+
+    s (solid stress), c and k (permeability) are chunk arrays; the total stress s - p I and its tangent
+    c + p (2 I4 - I x I) are formed here (overwriting s and c). Terms of strain-dependent permeability
+    and of solvent supply are added by :func:`coupling`.
+    """
+    nen = dN.shape[1]
+    G = np.empty((3, nen))
+    KG = np.empty((3, nen))
+    DB = np.empty((6, 3 * nen))
+    T = np.empty(nen)
+    for e in range(lo, hi):
+        M = K[e - lo]
+        M[:] = 0.0
+        for g in range(dN.shape[0]):
+            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            w = wJ0[e, g] * J[e, g]
+            D, S, q = c[e - lo, g], s[e - lo, g], p[e, g]
+            for i in range(3):
+                S[i] -= q
+                D[i, i] += q
+                D[3 + i, 3 + i] += q
+                for j in range(3):
+                    if i != j:
+                        D[i, j] -= q
+            add_point_stiffness(nen, D, S, w, G, DB, T, M)
+            kp = k[(e - lo) * dN.shape[0] + g]
+            v = w * dt
+            for b in range(nen):
+                x, y, z = G[0, b], G[1, b], G[2, b]
+                KG[0, b] = (kp[0] * x + kp[3] * y + kp[5] * z) * v
+                KG[1, b] = (kp[3] * x + kp[1] * y + kp[4] * z) * v
+                KG[2, b] = (kp[5] * x + kp[4] * y + kp[2] * z) * v
+            for i in range(3):
+                for a in range(nen):
+                    x = G[i, a] * w
+                    row = M[i * nen + a]
+                    for b in range(nen):
+                        row[3 * nen + b] -= x * N[g, b]
+            for a in range(nen):
+                x, y, z = G[0, a], G[1, a], G[2, a]
+                row = M[3 * nen + a]
+                for b in range(nen):
+                    row[3 * nen + b] -= x * KG[0, b] + y * KG[1, b] + z * KG[2, b]
+                if not steady:
+                    h = N[g, a] * w
+                    for i in range(3):
+                        for b in range(nen):
+                            row[i * nen + b] -= h * G[i, b]
+
+
+@kernel
+def permeability_coupling(lo, hi, dN, iJ0, wJ0, F, J, gp, dk, dt, K):
+    """Add to the p-u blocks the tangent of a strain-dependent permeability: -dt grad N . dK : grad v . grad p.
+
+    dk (n, 6, 6): FEBio's spatial strain tangent of the permeability, 2 J^-1 push-forward of dK/dC,
+    row index of K, column index of strain; gp (m, g, 3).
+    """
+    nen = dN.shape[1]
+    G = np.empty((3, nen))
+    A = np.empty((3, 6))
+    for e in range(lo, hi):
+        M = K[e - lo]
+        for g in range(dN.shape[0]):
+            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            w = wJ0[e, g] * J[e, g] * dt
+            D = dk[(e - lo) * dN.shape[0] + g]
+            x, y, z = gp[e, g, 0] * w, gp[e, g, 1] * w, gp[e, g, 2] * w
+            # A[i, r] = (dK_ij,r) grad p_j
+            for r in range(6):
+                A[0, r] = D[0, r] * x + D[3, r] * y + D[5, r] * z
+                A[1, r] = D[3, r] * x + D[1, r] * y + D[4, r] * z
+                A[2, r] = D[5, r] * x + D[4, r] * y + D[2, r] * z
+            for a in range(nen):
+                row = M[3 * nen + a]
+                g0, g1, g2 = G[0, a], G[1, a], G[2, a]
+                t0 = g0 * A[0, 0] + g1 * A[1, 0] + g2 * A[2, 0]
+                t1 = g0 * A[0, 1] + g1 * A[1, 1] + g2 * A[2, 1]
+                t2 = g0 * A[0, 2] + g1 * A[1, 2] + g2 * A[2, 2]
+                t3 = g0 * A[0, 3] + g1 * A[1, 3] + g2 * A[2, 3]
+                t4 = g0 * A[0, 4] + g1 * A[1, 4] + g2 * A[2, 4]
+                t5 = g0 * A[0, 5] + g1 * A[1, 5] + g2 * A[2, 5]
+                for b in range(nen):
+                    bx, by, bz = G[0, b], G[1, b], G[2, b]
+                    row[b] -= t0 * bx + t3 * by + t5 * bz
+                    row[nen + b] -= t3 * bx + t1 * by + t4 * bz
+                    row[2 * nen + b] -= t5 * bx + t4 * by + t2 * bz
+
+
+@kernel
+def supply_coupling(lo, hi, N, dN, iJ0, wJ0, F, J, supply, dE, dp, dt, K):
+    """Add the tangent of a solvent supply phi_hat: rows p, dt N (phi_hat I + J dphi/dE) grad v and dt N N dphi/dp.
+
+    supply (n,), dE (n, 6), dp (n,) over the chunk's points.
+    """
+    nen = dN.shape[1]
+    G = np.empty((3, nen))
+    for e in range(lo, hi):
+        M = K[e - lo]
+        for g in range(dN.shape[0]):
+            i = (e - lo) * dN.shape[0] + g
+            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            w = wJ0[e, g] * J[e, g] * dt
+            q, f = J[e, g], supply[i]
+            d0, d1, d2 = dE[i, 0] * q + f, dE[i, 1] * q + f, dE[i, 2] * q + f
+            d3, d4, d5 = dE[i, 3] * q, dE[i, 4] * q, dE[i, 5] * q
+            for a in range(nen):
+                h = N[g, a] * w
+                row = M[3 * nen + a]
+                for b in range(nen):
+                    x, y, z = G[0, b], G[1, b], G[2, b]
+                    row[b] += h * (d0 * x + d3 * y + d5 * z)
+                    row[nen + b] += h * (d3 * x + d1 * y + d4 * z)
+                    row[2 * nen + b] += h * (d5 * x + d4 * y + d2 * z)
+                    row[3 * nen + b] += h * N[g, b] * dp[i]

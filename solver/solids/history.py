@@ -1,0 +1,51 @@
+"""Columns of history over a tree of materials: who owns which, and how they grow."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..points import Points
+from .base import Floats, Solid
+
+
+def layout(root: Solid) -> int:
+    """Give each record of the tree its first column; return the number of columns of all."""
+    total = 0
+    for node in root.walk():
+        node.offset = total
+        total += node.history
+    return total
+
+
+def initial(root: Solid, n: int) -> Floats:
+    """State of ``n`` points before the first step (n, columns); lays out the columns."""
+    out = np.empty((n, layout(root)))
+    for node in root.walk():
+        out[:, node.offset : node.offset + node.history] = node.initial(n)
+    return out
+
+
+def begin(root: Solid, pts: Points) -> Floats:
+    """The converged state ``pts.old`` with room for the coming step.
+
+    Call once per step with all points of a block before its first evaluation; give every evaluation of
+    the step the array returned as ``old``, and one of the same shape as ``new``. Columns move when a
+    record's memory grows.
+    """
+    old = pts.old
+    if old is None:
+        old = initial(root, pts.n)
+        pts = replace(pts, old=old)
+    before = [(node, node.offset, node.history) for node in root.walk()]
+    for node in root.walk():
+        node.room(pts)
+    if all(node.history == h for node, _, h in before):
+        return old
+    wide = np.zeros((pts.n, layout(root)))
+    for node, at, h in before:
+        fresh = node.initial(pts.n)
+        wide[:, node.offset : node.offset + node.history] = fresh
+        wide[:, node.offset : node.offset + h] = old[:, at : at + h]
+    return wide

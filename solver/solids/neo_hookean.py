@@ -1,0 +1,53 @@
+"""Compressible neo-Hookean solid."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..jit import kernel
+from ..kernels.tensors import add_identity, left_cauchy_green
+from ..points import Points
+from .base import Floats, Number, Solid, wanted
+from .lame import lame, shear_and_first
+from .registry import register
+
+
+@kernel
+def _run(F, J, par, s, c):
+    b = np.empty(6)
+    for i in range(len(J)):
+        m = i if par.shape[0] > 1 else 0
+        lam, mu = lame(par[m, 0], par[m, 1])
+        left_cauchy_green(F, i, 1.0, b)
+        g, p = mu / J[i], lam * math.log(J[i]) / J[i]
+        for a in range(3):
+            s[i, a] += g * (b[a] - 1.0) + p
+            s[i, a + 3] += g * b[a + 3]
+        if c.shape[0] > 0:
+            add_identity(c, i, lam / J[i], 2.0 * (g - p))
+
+
+@dataclass(eq=False)
+class NeoHookean(Solid):
+    """W = mu (I1 - 3 - 2 ln J) / 2 + lambda (ln J)^2 / 2, mu and lambda from E and v.
+
+    Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, section 6.4.
+    """
+
+    E: Number = 0.0
+    v: Number = 0.0
+    parameters = ("E", "v")
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        _run(pts.F, pts.J, self.par(pts), s, wanted(c))
+
+    def energy(self, pts: Points) -> Floats:
+        lam, mu = shear_and_first(self.par(pts))
+        lnJ = np.log(pts.J)
+        return 0.5 * mu * ((pts.F**2).sum((1, 2)) - 3.0 - 2.0 * lnJ) + 0.5 * lam * lnJ**2
+
+
+register(NeoHookean, "neo-Hookean")

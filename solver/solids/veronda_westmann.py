@@ -1,0 +1,54 @@
+"""Nearly incompressible Veronda-Westmann solid."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..jit import kernel
+from ..kernels.isochoric import add_isochoric
+from ..kernels.tensors import left_cauchy_green, square, trace
+from ..points import Points
+from .base import Floats, Number, wanted
+from .invariants import isochoric_invariants
+from .registry import register
+from .uncoupled import Uncoupled
+
+
+@kernel
+def run(F, J, par, s, c):
+    """Columns 0 and 1 of ``par`` are c1 and c2."""
+    b, b2, T, h = np.empty(6), np.empty(6), np.empty(6), np.empty((1, 6, 6))
+    for i in range(len(J)):
+        m = i if par.shape[0] > 1 else 0
+        c1, c2 = par[m, 0], par[m, 1]
+        left_cauchy_green(F, i, J[i] ** (-2.0 / 3.0), b)
+        square(b, b2)
+        I1 = trace(b)
+        W1 = c1 * c2 * math.exp(c2 * (I1 - 3.0))
+        add_isochoric(s, c, i, 1.0 / J[i], b, b2, I1, W1, -0.5 * c1 * c2, c2 * W1, 0.0, 0.0, T, h)
+
+
+@dataclass(eq=False)
+class VerondaWestmann(Uncoupled):
+    """W~ = c1 (exp[c2 (I1~ - 3)] - 1) - c1 c2 (I2~ - 3) / 2.
+
+    Veronda & Westmann, J. Biomech. 3 (1970) 111.
+    """
+
+    c1: Number = 0.0
+    c2: Number = 0.0
+    parameters = ("c1", "c2")
+
+    def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        run(pts.F, pts.J, self.par(pts), s, wanted(c))
+
+    def dev_energy(self, pts: Points) -> Floats:
+        I1, I2 = isochoric_invariants(pts)
+        c1, c2 = self.par(pts)[:, :2].T
+        return c1 * (np.exp(c2 * (I1 - 3.0)) - 1.0) - 0.5 * c1 * c2 * (I2 - 3.0)
+
+
+register(VerondaWestmann, "Veronda-Westmann")
