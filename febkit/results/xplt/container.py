@@ -1,0 +1,246 @@
+"""A plotfile as an index of blocks over mapped memory: nothing is decoded until it is touched."""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from febkit.model import InputError, Where
+
+from . import tags
+
+_PIECE = 1 << 20  # bytes inflated at a time while the end of a compressed block is looked for
+_HEAD = 128  # bytes of an inflated block that are kept
+_TOP = (tags.ROOT, tags.MESH, tags.STATE)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A top-level block. ``packed``: "" plain, "block" tag and size are inside the zlib stream, "body"
+    only the payload is compressed."""
+
+    tag: int
+    start: int  # first byte of the block in the file
+    stop: int
+    size: int  # bytes of the payload once inflated
+    packed: str = ""
+    head: bytes = b""  # first bytes of a packed payload, so that times cost no second inflation
+
+
+@dataclass(frozen=True, slots=True)
+class Bytes:
+    """Readable bytes of one block's payload."""
+
+    data: mmap.mmap | bytes
+    start: int
+    stop: int
+
+
+class Container:
+    """The mapped file and its top-level blocks; complete blocks only, so a growing file reads well."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.where = Where(str(path))
+        self.blocks: list[Block] = []
+        self._inflated: tuple[Block, Bytes] | None = None
+        self._map()
+        self.order = self._magic()
+        self.head = struct.Struct(self.order + "II")
+        self._word = struct.Struct(self.order + "I")
+        self._end = 4
+        self.refresh()
+
+    def _map(self) -> None:
+        try:
+            with open(self.path, "rb") as f:
+                size = os.fstat(f.fileno()).st_size
+                if size < 4:
+                    raise InputError("not a plotfile: it has fewer than four bytes", self.where)
+                self.data = mmap.mmap(f.fileno(), size, access=mmap.ACCESS_READ)
+        except OSError as e:
+            raise InputError(f"cannot read the file: {e.strerror or e}", self.where) from None
+        self.size = size
+
+    def _magic(self) -> str:
+        for order in "<>":
+            if struct.unpack_from(order + "I", self.data, 0)[0] == tags.MAGIC:
+                return order
+        raise InputError("not an FEBio plotfile: the first four bytes are not its mark", self.where)
+
+    @property
+    def truncated(self) -> bool:
+        """Bytes after the last complete block: a state that is still being written, or was cut."""
+        return self._end < self.size
+
+    @property
+    def leftover(self) -> int:
+        return self.size - self._end
+
+    def refresh(self) -> bool:
+        """Index the blocks that were completed since; True where there are new ones."""
+        size = os.stat(self.path).st_size
+        if size < self._end:
+            raise InputError("the file became shorter while it was open: open it again", self.where)
+        if size != self.size:
+            self._map()
+        count = len(self.blocks)
+        at = self._end
+        while at + 8 <= self.size:
+            block = self._plain(at) or self._whole(at)
+            if block is None:
+                break
+            self.blocks.append(block)
+            at = block.stop
+            if block.tag == tags.STATE and not block.packed:
+                at = self._repeats(block)
+        self._end = at
+        return len(self.blocks) > count
+
+    def _plain(self, at: int) -> Block | None:
+        tag, n = self.head.unpack_from(self.data, at)
+        if tag not in _TOP or at + 8 + n > self.size:
+            return None
+        packed = ""
+        if tag == tags.STATE and n >= 4:
+            first = self._word.unpack_from(self.data, at + 8)[0]
+            packed = "body" if first >> 24 not in (1, 2) and self._zlib_at(at + 8) else ""
+        if not packed:
+            return Block(tag, at, at + 8 + n, n)
+        size, _, head = self._inflated_size(at + 8, at + 8 + n)
+        return Block(tag, at, at + 8 + n, size, packed, head)
+
+    def _repeats(self, block: Block) -> int:
+        """States of equal size follow one another: find them in one strided look instead of one by one."""
+        length = block.stop - block.start
+        at, many = block.stop, 16
+        while True:
+            n = min(many, (self.size - at) // length)
+            if n < 1:
+                return at
+            heads = np.ndarray((n, 3), self.order + "u4", self.data, at, (length, 4))
+            first = self._word.unpack_from(self.data, block.start + 8)[0]
+            same = (heads == (tags.STATE, length - 8, first)).all(axis=1)
+            k = n if same.all() else int(np.argmin(same))
+            starts = range(at, at + k * length, length)
+            self.blocks += [Block(tags.STATE, s, s + length, length - 8) for s in starts]
+            at += k * length
+            if k < n:
+                return at
+            many *= 4
+
+    def _zlib_at(self, at: int) -> bool:
+        a, b = self.data[at], self.data[at + 1]
+        return a & 0x0F == 8 and a >> 4 <= 7 and (a * 256 + b) % 31 == 0
+
+    def _whole(self, at: int) -> Block | None:
+        """A block that FEBio compressed together with its tag and size; None where it is cut short."""
+        if not self._zlib_at(at):
+            tag = self.head.unpack_from(self.data, at)[0]
+            if tag in _TOP:
+                return None  # cut short
+            raise InputError(f"damaged at byte {at}: {tag:#010x} is no block of a plotfile", self.where)
+        size, used, head = self._inflated_size(at, self.size)
+        if used == 0:
+            return None
+        tag, n = self.head.unpack_from(head) if len(head) >= 8 else (0, 0)
+        if tag not in (tags.STATE, tags.MESH) or n != size - 8:
+            raise InputError(f"damaged at byte {at}: compressed data is no state of a plotfile", self.where)
+        return Block(tag, at, at + used, n, "block", head[8:])
+
+    def _inflated_size(self, start: int, stop: int) -> tuple[int, int, bytes]:
+        """Inflate without keeping: (bytes out, bytes used, first bytes); used = 0 where it is cut."""
+        z = zlib.decompressobj()
+        at, size, head = start, 0, b""
+        try:
+            while not z.eof:
+                if not z.unconsumed_tail and at >= stop:
+                    return size, 0, head
+                piece = z.unconsumed_tail
+                if not piece:
+                    piece = self.data[at : min(at + _PIECE, stop)]
+                    at += len(piece)
+                out = z.decompress(piece, _PIECE)
+                head = head or out[:_HEAD]
+                size += len(out)
+        except zlib.error as e:
+            raise InputError(f"damaged at byte {start}: {e}", self.where) from None
+        return size, at - start - len(z.unused_data), head
+
+    def payload(self, block: Block) -> Bytes:
+        """The bytes of a block; the last inflated block is kept."""
+        if not block.packed:
+            return Bytes(self.data, block.start + 8, block.stop)
+        kept = self._inflated  # one look: another thread may replace it
+        if kept is None or kept[0] is not block:
+            self._inflated = kept = (block, self._inflate(block))
+        return kept[1]
+
+    def _inflate(self, block: Block) -> Bytes:
+        head = 8 if block.packed == "block" else 0
+        raw = self.data[block.start + 8 - head : block.stop]
+        try:
+            out = zlib.decompressobj().decompress(raw, block.size + head)
+        except zlib.error as e:
+            raise InputError(f"damaged at byte {block.start}: {e}", self.where) from None
+        return Bytes(out, head, len(out))
+
+    def children(self, b: Bytes, what: str) -> Iterator[tuple[int, Bytes]]:
+        """The blocks inside a block; a block that runs over its parent's end is an error."""
+        at = b.start
+        while at < b.stop:
+            if at + 8 > b.stop:
+                raise InputError(f"damaged {what}: {b.stop - at} stray bytes", self.where)
+            tag, n = self.head.unpack_from(b.data, at)
+            if at + 8 + n > b.stop:
+                say = f"damaged {what}: block {tag:#010x} of {n} bytes runs over its end"
+                raise InputError(say, self.where)
+            yield tag, Bytes(b.data, at + 8, at + 8 + n)
+            at += 8 + n
+
+    def word(self, b: Bytes, what: str) -> int:
+        """An unsigned integer."""
+        if b.stop - b.start < 4:
+            raise InputError(f"damaged {what}: an integer has {b.stop - b.start} bytes", self.where)
+        return int(self._word.unpack_from(b.data, b.start)[0])
+
+    def words(self, b: Bytes) -> np.ndarray:
+        """All integers of a block, without a copy."""
+        return np.frombuffer(b.data, self.order + "i4", (b.stop - b.start) // 4, b.start)
+
+    def floats(self, b: Bytes) -> np.ndarray:
+        """All floats of a block, without a copy."""
+        return np.frombuffer(b.data, self.order + "f4", (b.stop - b.start) // 4, b.start)
+
+    def text(self, b: Bytes) -> str:
+        """A string, stored either as u32 length + characters or as zero-padded characters."""
+        raw = bytes(b.data[b.start : b.stop])
+        if len(raw) >= 4 and self._word.unpack_from(raw)[0] == len(raw) - 4:
+            raw = raw[4:]
+        elif len(raw) >= 4 and raw[3] == 0 and self._word.unpack_from(raw)[0] < len(raw):
+            raw = raw[4 : 4 + self._word.unpack_from(raw)[0]]
+        return _decode(raw.split(b"\0")[0])
+
+    def name64(self, b: Bytes) -> str:
+        """Zero-padded characters."""
+        return _decode(bytes(b.data[b.start : b.stop]).split(b"\0")[0])
+
+    def close(self) -> None:
+        self._inflated = None
+        with contextlib.suppress(BufferError):  # arrays still look at it; it goes when they go
+            self.data.close()
+
+
+def _decode(raw: bytes) -> str:
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")

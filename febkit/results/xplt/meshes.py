@@ -1,0 +1,213 @@
+"""Reads a mesh section: nodes, domains, surfaces, edges and sets, without a loop over elements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from febkit.model import InputError
+
+from . import tags
+from .container import Bytes, Container
+from .header import Header, parts
+from .records import PlotDomain, PlotMesh, PlotSurface
+
+_OLD_COORDS = 0x01041001  # versions below 8
+
+# tags of a list of facets or lines: (one, header, name, rows wide, list)
+_SURFACE = (tags.SURFACE, tags.SURFACE_HDR, tags.SURFACE_NAME, tags.SURFACE_MAX_FACET_NODES, tags.FACE_LIST)
+_FACETSET = (tags.FACETSET, tags.FACETSET_HDR, tags.FACETSET_NAME, tags.FACETSET_MAXNODES, tags.FACETSET_LIST)
+_EDGE = (tags.EDGE, tags.EDGE_HDR, tags.EDGE_NAME, tags.EDGE_MAX_NODES, tags.EDGE_LIST)
+_NODESET = (tags.NODESET, tags.NODESET_HDR, tags.NODESET_NAME, tags.NODESET_LIST)
+_ELEMENTSET = (tags.ELEMENTSET, tags.ELEMENTSET_HDR, tags.ELEMENTSET_NAME, tags.ELEMENTSET_LIST)
+
+
+def read(c: Container, section: Bytes, h: Header) -> PlotMesh:
+    """One mesh section."""
+    found = dict(c.children(section, "mesh"))
+    if tags.NODE_SECTION not in found:
+        raise InputError("the mesh has no nodes", c.where)
+    ids, X = _nodes(c, found[tags.NODE_SECTION], h)
+    n = len(ids)
+    none = Bytes(b"", 0, 0)
+    facets = _surfaces(c, found.get(tags.FACETSET_SECTION, none), _FACETSET, n, h.version, None)
+    objects = found.get(tags.OBJECTS_SECTION, none)
+    old = h.facet_nodes if h.version < 8 else None
+    surfaces = _surfaces(c, found.get(tags.SURFACE_SECTION, none), _SURFACE, n, h.version, old)
+    return PlotMesh(
+        node_ids=ids,
+        X=X,
+        domains=_domains(c, found.get(tags.DOMAIN_SECTION, none), n),
+        surfaces=surfaces,
+        node_sets=_node_sets(c, found.get(tags.NODESET_SECTION, none), n),
+        element_sets=_sets(c, found.get(tags.ELEMENTSET_SECTION, none), _ELEMENTSET),
+        parts=parts(c, found[tags.PARTS_SECTION], (tags.PART, tags.PART_ID, tags.PART_NAME))
+        if tags.PARTS_SECTION in found
+        else h.parts,
+        facet_sets=None if _same(surfaces, facets) else facets,
+        edges=_surfaces(c, found.get(tags.EDGE_SECTION, none), _EDGE, n, h.version, None),
+        objects=bytes(objects.data[objects.start : objects.stop]),
+    )
+
+
+def _same(a: list[PlotSurface], b: list[PlotSurface]) -> bool:
+    """Whether two lists of facets are the same but for padding."""
+    return len(a) == len(b) and all(
+        s.name == t.name and len(s.rows()) == len(t.rows()) and np.array_equal(*_trim(s.rows(), t.rows()))
+        for s, t in zip(a, b)
+    )
+
+
+def _trim(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    width = max(a.shape[1], b.shape[1])
+    wide = [np.pad(r, ((0, 0), (0, width - r.shape[1])), constant_values=-1) for r in (a, b)]
+    return wide[0], wide[1]
+
+
+def _nodes(c: Container, section: Bytes, h: Header) -> tuple[np.ndarray, np.ndarray]:
+    """Ids and reference coordinates; rows are (id, x, y, z) since version 8, (x, y, z) before."""
+    size, dim, data, old = h.nodes, 3, None, True
+    for tag, b in c.children(section, "node section"):
+        if tag == tags.NODE_HEADER:
+            for k, v in c.children(b, "node header"):
+                if k == tags.NODE_SIZE:
+                    size = c.word(v, "node header")
+                elif k == tags.NODE_DIM:
+                    dim = c.word(v, "node header")
+        elif tag in (tags.NODE_COORDS, _OLD_COORDS):
+            data, old = b, tag == _OLD_COORDS
+    if data is None or dim not in (2, 3):
+        raise InputError("the mesh has no node coordinates", c.where)
+    have, want = (data.stop - data.start) // 4, size * (3 if old else dim + 1)
+    if have != want:
+        raise InputError(f"{size} nodes need {want} numbers, the file has {have}", c.where)
+    if old:
+        return np.arange(1, size + 1, dtype=np.int32), c.floats(data).reshape(size, 3).astype("=f4")
+    rows = c.words(data).reshape(size, dim + 1)
+    ids = rows[:, 0].astype("=i4") if h.version >= 0x33 else np.arange(1, size + 1, dtype=np.int32)
+    X = np.zeros((size, 3), np.float32)
+    X[:, :dim] = c.floats(data).reshape(size, dim + 1)[:, 1:]
+    return ids, X
+
+
+def _domains(c: Container, section: Bytes, n_nodes: int) -> list[PlotDomain]:
+    out: list[PlotDomain] = []
+    for tag, b in c.children(section, "domain section"):
+        if tag != tags.DOMAIN:
+            continue
+        code, part, count, name, rows = -1, 0, None, None, None
+        for k, v in c.children(b, "domain"):
+            if k == tags.DOM_ELEM_LIST:
+                rows = v
+            elif k == tags.DOMAIN_HDR:
+                for kk, vv in c.children(v, "domain header"):
+                    if kk == tags.DOM_ELEM_TYPE:
+                        code = c.word(vv, "domain header")
+                    elif kk == tags.DOM_PART_ID:
+                        part = c.word(vv, "domain header")
+                    elif kk == tags.DOM_ELEMS:
+                        count = c.word(vv, "domain header")
+                    elif kk == tags.DOM_NAME:
+                        name = c.text(vv)
+        if not 0 <= code < len(tags.ELEMENT_TYPES):
+            raise InputError(f"domain {len(out) + 1} has unknown element type {code}", c.where)
+        type_, width = tags.ELEMENT_TYPES[code]
+        elements = _rows(c, rows, f"elements of domain {len(out) + 1}", width + 1)
+        if count is not None and count != len(elements):
+            raise InputError(f"domain {len(out) + 1} lists {len(elements)} of {count} elements", c.where)
+        conn = elements[:, 1:]
+        _inside(c, conn, n_nodes, f"domain {len(out) + 1}")
+        out.append(PlotDomain(type_, part, name, elements[:, 0], conn))
+    return out
+
+
+def _rows(c: Container, b: Bytes | None, what: str, width: int | None = None) -> np.ndarray:
+    """Blocks of equal size, each a row of integers: (row, width)."""
+    if b is None or b.stop == b.start:
+        return np.empty((0, width or 0), np.int32)
+    _, n = c.head.unpack_from(b.data, b.start) if b.stop - b.start >= 8 else (0, 0)
+    w = n // 4
+    if n % 4 or (b.stop - b.start) % (n + 8) or (width is not None and w != width):
+        raise InputError(f"damaged {what}: rows of {n} bytes do not fill {b.stop - b.start}", c.where)
+    words = c.words(b).reshape(-1, w + 2)
+    if (words[:, 1] != n).any() or (words[:, 0] != words[0, 0]).any():
+        raise InputError(f"damaged {what}: rows differ in size", c.where)
+    return words[:, 2:].astype("=i4")
+
+
+def _inside(c: Container, nodes: np.ndarray, n_nodes: int, what: str) -> None:
+    if nodes.size and (nodes.min() < 0 or nodes.max() >= n_nodes):
+        raise InputError(f"{what} names a node that does not exist (the mesh has {n_nodes})", c.where)
+
+
+def _surfaces(
+    c: Container, section: Bytes, t: tuple[int, ...], n_nodes: int, version: int, old: int | None
+) -> list[PlotSurface]:
+    one, head, name_, width_, list_ = t
+    out = []
+    for tag, b in c.children(section, "surface section"):
+        if tag != one:
+            continue
+        name, width, rows = "", old, None
+        for k, v in c.children(b, "surface"):
+            if k == list_:
+                rows = v
+            elif k == head:
+                for kk, vv in c.children(v, "surface header"):
+                    if kk == name_:
+                        name = c.text(vv)
+                    elif kk == width_:
+                        width = c.word(vv, "surface header")
+        what = f"surface {name!r}"
+        nodes = _facets(c, _rows(c, rows, what), version, what)
+        _inside(c, np.where(nodes < 0, 0, nodes), n_nodes, what)
+        out.append(PlotSurface(name, nodes, width if width and width > nodes.shape[1] else None))
+    return out
+
+
+def _facets(c: Container, rows: np.ndarray, version: int, what: str) -> np.ndarray:
+    """Node indices padded with -1, from rows (id, count, nodes...), or (id, four nodes) in version 1."""
+    if not len(rows):
+        return np.empty((0, max(rows.shape[1] - 2, 0)), np.int32)
+    if version == 1 and rows.shape[1] == 5:
+        nodes = rows[:, 1:].copy()
+        nodes[nodes[:, 3] == nodes[:, 2], 3] = -1  # a triangle repeats its last node
+        return nodes
+    if rows.shape[1] < 2:
+        raise InputError(f"damaged {what}: rows of {rows.shape[1]} numbers", c.where)
+    counts, nodes = rows[:, 1], rows[:, 2:]
+    if counts.min() < 0 or counts.max() > nodes.shape[1]:
+        raise InputError(f"damaged {what}: a facet of {counts.max()} nodes in {nodes.shape[1]}", c.where)
+    pad = np.arange(nodes.shape[1]) >= counts[:, None]
+    if (nodes[~pad] < 0).any():
+        raise InputError(f"{what} names a negative node", c.where)
+    return np.where(pad, -1, nodes).astype(np.int32)
+
+
+def _sets(c: Container, section: Bytes, t: tuple[int, ...]) -> dict[str, np.ndarray]:
+    one, head, name_, list_ = t
+    out: dict[str, np.ndarray] = {}
+    for tag, b in c.children(section, "sets"):
+        if tag != one:
+            continue
+        name, members = "", np.empty(0, np.int32)
+        for k, v in c.children(b, "set"):
+            if k == list_:
+                members = c.words(v).astype("=i4")
+            elif k == head:
+                name = next((c.text(vv) for kk, vv in c.children(v, "set header") if kk == name_), "")
+        out[_free(name, out)] = members
+    return out
+
+
+def _node_sets(c: Container, section: Bytes, n_nodes: int) -> dict[str, np.ndarray]:
+    sets = _sets(c, section, _NODESET)
+    for name, nodes in sets.items():
+        _inside(c, nodes, n_nodes, f"node set {name!r}")
+    return sets
+
+
+def _free(name: str, taken: dict[str, np.ndarray]) -> str:
+    """Two sets of one name (or none) stay two."""
+    if name not in taken:
+        return name
+    return next(f"{name}_{i}" for i in range(2, len(taken) + 3) if f"{name}_{i}" not in taken)

@@ -1,0 +1,271 @@
+"""A plotfile for reading: header, variables, meshes, states; data of one variable at one time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from febkit.model import InputError
+
+from . import header, meshes, tags
+from .container import Block, Bytes, Container
+from .records import PlotMesh
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where the data lie in a state: offsets from the start of its payload."""
+
+    regions: tuple[tuple[tuple[int, int, int], ...], ...]  # per variable: (region, offset, bytes)
+    time: int
+    status: int  # -1 where the file has none
+    flags: tuple[int, int] | None  # offset and bytes of the element states
+    objects: tuple[int, int] | None
+    at: np.ndarray  # offsets, in words, of all tags, sizes and variable numbers
+    words: np.ndarray  # what stands there
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """One state: its block and the mesh it belongs to."""
+
+    block: Block
+    mesh: int
+
+
+class PlotFile:
+    """A plotfile, any version. Opening indexes blocks; meshes, layouts and data are read when touched."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.container = Container(path)
+        self.header = header.read(self.container)
+        self.variables = self.header.variables
+        self.states: list[State] = []
+        self._mesh_at: list[Bytes | Block] = [self.header.mesh] if self.header.mesh else []
+        self._meshes: dict[int, PlotMesh] = {}
+        self._layouts: dict[int, Layout] = {}
+        self._seen = 0
+        self._take()
+
+    def _take(self) -> None:
+        for block in self.container.blocks[self._seen :]:
+            if block.tag == tags.MESH:
+                self._mesh_at.append(block)
+            elif block.tag == tags.STATE:
+                self.states.append(State(block, len(self._mesh_at) - 1))
+        self._seen = len(self.container.blocks)
+
+    def refresh(self) -> bool:
+        """Look for states that were completed since opening; True where there are."""
+        fresh = self.container.refresh()
+        self._take()
+        return fresh
+
+    @property
+    def version(self) -> int:
+        return self.header.version
+
+    @property
+    def n_meshes(self) -> int:
+        return len(self._mesh_at)
+
+    def mesh(self, i: int = 0) -> PlotMesh:
+        if i not in self._meshes:
+            if not 0 <= i < len(self._mesh_at):
+                raise InputError(f"the plotfile has {len(self._mesh_at)} meshes", self.container.where)
+            at = self._mesh_at[i]
+            section = at if isinstance(at, Bytes) else self.container.payload(at)
+            self._meshes[i] = meshes.read(self.container, section, self.header)
+        return self._meshes[i]
+
+    def payload(self, state: int) -> Bytes:
+        return self.container.payload(self.states[state].block)
+
+    def layout(self, state: int) -> Layout:
+        """Where a state's data lie; a state of the same size is checked against the last such layout."""
+        b = self.payload(state)
+        size = b.stop - b.start
+        known = self._layouts.get(size)
+        if known is not None:
+            words = np.frombuffer(b.data, self.container.order + "u4", size // 4, b.start)
+            if np.array_equal(words[known.at], known.words):
+                return known
+        self._layouts[size] = made = _Walk(self, b).layout()
+        return made
+
+    @property
+    def times(self) -> np.ndarray:
+        """(state,) float32."""
+        out = np.empty(len(self.states), np.float32)
+        i = 0
+        while i < len(out):
+            n = self._run(i)
+            if n > 1:
+                block = self.states[i].block
+                at = block.start + 8 + self.layout(i).time
+                out[i : i + n] = self._strided(at, block.stop - block.start, n, i)
+            else:
+                out[i] = self.time(i)
+            i += n
+        return out
+
+    def _run(self, i: int) -> int:
+        """How many plain states of the same size stand in a row from state i."""
+        first = self.states[i].block
+        length = first.stop - first.start
+        n = 1
+        while not first.packed and i + n < len(self.states):
+            b = self.states[i + n].block
+            if b.packed or b.start != first.start + n * length or b.stop != b.start + length:
+                break
+            n += 1
+        return n
+
+    def _strided(self, at: int, step: int, n: int, i: int) -> np.ndarray:
+        """Times of a run of states, where their headers agree in layout."""
+        heads = np.ndarray((n, 3), self.container.order + "u4", self.container.data, at - 8, (step, 4))
+        if (heads[:, :2] != heads[0, :2]).any():
+            return np.array([self.time(k) for k in range(i, i + n)], np.float32)
+        return np.ndarray((n,), self.container.order + "f4", self.container.data, at, (step,))
+
+    def time(self, state: int) -> float:
+        known = self._packed_time(self.states[state].block)
+        if known is not None:
+            return known
+        b, at = self.payload(state), self.layout(state).time
+        return float(self.container.floats(Bytes(b.data, b.start + at, b.start + at + 4))[0])
+
+    def _packed_time(self, block: Block) -> float | None:
+        """The time of a compressed state from its first bytes, if it stands there."""
+        c = self.container
+        if len(block.head) < 20 or c.head.unpack_from(block.head)[0] != tags.STATE_HEADER:
+            return None
+        tag, n = c.head.unpack_from(block.head, 8)
+        return float(c.floats(Bytes(block.head, 16, 20))[0]) if (tag, n) == (tags.STATE_HDR_TIME, 4) else None
+
+    def status(self, state: int) -> int:
+        b, at = self.payload(state), self.layout(state).status
+        return 0 if at < 0 else int(self.container.words(Bytes(b.data, b.start + at, b.start + at + 4))[0])
+
+    def element_state(self, state: int) -> np.ndarray | None:
+        """One flag per element (1: active); None where the file has none."""
+        found = self.layout(state).flags
+        if found is None:
+            return None
+        b = self.payload(state)
+        return self.container.words(Bytes(b.data, b.start + found[0], b.start + sum(found))).view("u4")
+
+    def objects(self, state: int) -> bytes:
+        found = self.layout(state).objects
+        if found is None:
+            return b""
+        b = self.payload(state)
+        return bytes(b.data[b.start + found[0] : b.start + sum(found)])
+
+    def regions(self, variable: int, state: int) -> Iterator[tuple[int, np.ndarray]]:
+        """(region, flat float32 values) of one variable in one state, without a copy."""
+        b = self.payload(state)
+        for region, at, n in self.layout(state).regions[variable]:
+            yield region, self.container.floats(Bytes(b.data, b.start + at, b.start + at + n))
+
+    def close(self) -> None:
+        self.container.close()
+
+    def __reduce__(self) -> tuple[type[PlotFile], tuple[str]]:
+        return PlotFile, (str(self.container.path),)
+
+    def __enter__(self) -> PlotFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class _Walk:
+    """Walks a state's blocks once and notes where everything is."""
+
+    def __init__(self, f: PlotFile, b: Bytes) -> None:
+        self.c = f.container
+        self.b = b
+        self.start = b.start
+        self.at: list[int] = []
+        self.time = self.status = -1
+        self.flags: tuple[int, int] | None = None
+        self.objects: tuple[int, int] | None = None
+        self.regions: list[list[tuple[int, int, int]]] = [[] for _ in f.variables]
+        self.index: dict[str, list[int]] = {}
+        for i, v in enumerate(f.variables):
+            self.index.setdefault(v.section, []).append(i)
+
+    def layout(self) -> Layout:
+        for tag, b in self._blocks(self.b):
+            if tag == tags.STATE_HEADER:
+                self._header(b)
+            elif tag == tags.STATE_DATA:
+                self._data(b)
+            elif tag == tags.MESH_STATE:
+                for k, v in self._blocks(b):
+                    if k == tags.ELEMENT_STATE:
+                        self.flags = self._span(v)
+            elif tag == tags.OBJECTS_STATE:
+                self.objects = self._span(b)
+        if self.time < 0:
+            raise InputError("a state has no time", self.c.where)
+        at = np.array(self.at)
+        aligned = not (at % 4).any()
+        at = at // 4 if aligned else np.empty(0, int)
+        words = np.frombuffer(self.b.data, self.c.order + "u4", (self.b.stop - self.start) // 4, self.start)
+        # words that never match make a state of odd layout be walked each time
+        kept = words[at] if aligned else np.zeros(1, "u4")
+        regions = tuple(map(tuple, self.regions))
+        return Layout(regions, self.time, self.status, self.flags, self.objects, at, kept)
+
+    def _blocks(self, b: Bytes) -> Iterator[tuple[int, Bytes]]:
+        for tag, inner in self.c.children(b, "state"):
+            at = inner.start - self.start
+            self.at += [at - 8, at - 4]
+            yield tag, inner
+
+    def _span(self, b: Bytes) -> tuple[int, int]:
+        return b.start - self.start, b.stop - b.start
+
+    def _header(self, head: Bytes) -> None:
+        for tag, b in self._blocks(head):
+            if tag in (tags.STATE_HDR_TIME, tags.STATE_STATUS) and b.stop - b.start != 4:
+                raise InputError("damaged state header", self.c.where)
+            if tag == tags.STATE_HDR_TIME:
+                self.time = b.start - self.start
+            elif tag == tags.STATE_STATUS:
+                self.status = b.start - self.start
+
+    def _data(self, data: Bytes) -> None:
+        section_of = {tag: section for section, (_, tag) in tags.SECTIONS.items()}
+        for tag, b in self._blocks(data):
+            section = section_of.get(tag)
+            if section is None:
+                continue
+            for kind, v in self._blocks(b):
+                if kind == tags.STATE_VARIABLE:
+                    self._variable(v, section)
+
+    def _variable(self, variable: Bytes, section: str) -> None:
+        number = 0
+        mine = self.index.get(section, [])
+        for tag, b in self._blocks(variable):
+            if tag == tags.STATE_VAR_ID:
+                number = self.c.word(b, "state variable")
+                self.at.append(b.start - self.start)
+            elif tag == tags.STATE_VAR_DATA:
+                if not 1 <= number <= len(mine):
+                    say = f"a state holds {section} variable {number} of {len(mine)}"
+                    raise InputError(say, self.c.where)
+                found = self.regions[mine[number - 1]]
+                for region, r in self._blocks(b):
+                    at, n = self._span(r)
+                    if n % 4:
+                        raise InputError("damaged state: values of odd size", self.c.where)
+                    if n:
+                        found.append((region, at, n))
