@@ -85,9 +85,9 @@ class ModelBuilder:
         steps = tuple(self.steps)
         if control is not None:
             steps = (Step(control=control, where=control.where), *steps)
-        return Model(version="4.0", mesh=self.fields.pop("mesh", Mesh(np.zeros(0, np.int64), np.zeros((0, 3)))),
-                     common=Step(**self.common), steps=steps, file=self.file,
-                     unknown=tuple(self.unknown), **self.fields)
+        none = Mesh(np.zeros(0, np.int64), np.zeros((0, 3)))
+        return Model(version="4.0", mesh=self.fields.pop("mesh", none), common=Step(**self.common),
+                     steps=steps, file=self.file, unknown=tuple(self.unknown), **self.fields)
 
     def _extend(self, out: dict[str, Any], tag: Tag) -> None:
         field = STEP_SECTIONS[tag.name]

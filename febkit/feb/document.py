@@ -22,7 +22,8 @@ MAX_DEPTH = 100
 _LISTS = ("Nodes", "Elements", "Surface", "Edge", "ElementData", "NodeData", "SurfaceData", "NodeSet",
           "ElementSet", "elements", "surface", "node_data", "elem_data", "surface_data")
 _SCAN = re.compile(
-    rb"<!--|<!\[CDATA\[|<\?|<(" + "|".join(_LISTS).encode() + rb""")(?=[\s>/])((?:[^<>"']|"[^"<]*"|'[^'<]*')*)>""")
+    rb"<!--|<!\[CDATA\[|<\?|<(" + "|".join(_LISTS).encode()
+    + rb""")(?=[\s>/])((?:[^<>"']|"[^"<]*"|'[^'<]*')*)>""")
 _CLOSE = {b"<!--": b"-->", b"<![CDATA[": b"]]>", b"<?": b"?>"}
 _START_TAG = re.compile(rb"""<[^\s/>]+(?:[^<>"']|"[^"<]*"|'[^'<]*')*>""")
 
@@ -200,7 +201,8 @@ def parse(data: bytes, file: str = "") -> Document:
     except (LookupError, ValueError) as e:
         if isinstance(e, InputError):
             raise
-        raise InputError(f"cannot read the text: {e}", Where(file, builder.parser.CurrentLineNumber)) from None
+        here = Where(file, builder.parser.CurrentLineNumber)
+        raise InputError(f"cannot read the text: {e}", here) from None
     assert builder.root is not None
     doc.root = builder.root
     return doc

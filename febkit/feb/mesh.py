@@ -198,7 +198,8 @@ class MeshReader:
         ids, conn = rows(tag, ("elem", "e"), n)
         if (np.diff(ids) <= 0).any():
             raise InputError(f'element ids of <Elements name="{name}"> must increase', tag.where)
-        self.blocks.append(ElementBlock(name, type_.lower(), ids, self.index(whole(conn, tag), tag), tag.where))
+        nodes = self.index(whole(conn, tag), tag)
+        self.blocks.append(ElementBlock(name, type_.lower(), ids, nodes, tag.where))
 
     def node_set(self, tag: Tag) -> None:
         if tag.children or tag.table is not None:
