@@ -1,0 +1,272 @@
+"""The six metrics of every cell at every time (Sibole et al. 2013, eqs 10-18)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import flux, shape, units
+from . import groups as grouping
+from .fields import SCALARS, Sweep
+from .kinematics import Group, State
+from .selection import Cells, Selection, select_cells
+from .sources import NodalFlux, Sources
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.model import Model
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# the six of the study, in the order of its tables
+METRICS = (
+    "aspect_ratio_change",
+    "volumetric_strain",
+    "effective_strain",
+    "effective_stress",
+    "max_shear_strain",
+    "mass_exchange_rate",
+)
+# name -> long name, unit kind, formula
+TABLE = {
+    "aspect_ratio_change": (
+        "aspect ratio change",
+        "",
+        "L3/L1 - (L3/L1)(reference), L_i = 1/sqrt(lambda_i) of the inertia of element centroids about the "
+        "cell's, weighted by V_e(t) (eqs 10-12, as printed; not an ellipsoid's axes)",
+    ),
+    "volumetric_strain": ("volumetric strain", "", "sum V_e(t) / sum V_e(reference) - 1 (eq 13)"),
+    "effective_strain": (
+        "effective strain",
+        "",
+        "sqrt(((E1-E2)^2 + (E2-E3)^2 + (E3-E1)^2)/2) of Green-Lagrange strain at integration points, "
+        "mean per element, V_e(t)-weighted mean over the cell (eq 15)",
+    ),
+    "effective_stress": (
+        "effective stress",
+        "stress",
+        "sqrt(((s1-s2)^2 + (s2-s3)^2 + (s3-s1)^2)/2) of Cauchy stress at integration points, "
+        "mean per element, V_e(t)-weighted mean over the cell (eq 14)",
+    ),
+    "max_shear_strain": (
+        "maximum shear strain",
+        "",
+        "max |Ei - Ej| of Green-Lagrange strain (no factor 1/2, as printed), averaged likewise (eq 16)",
+    ),
+    "mass_exchange_rate": (
+        "mass exchange rate",
+        "mass",
+        "rho * integral of q.n over the cell's deformed surface (eqs 17-18), outward > 0",
+    ),
+    "volume": ("volume", "volume", "sum V_e(t)"),
+    "axes_ratio_change": (
+        "ellipsoid axis ratio change",
+        "",
+        "a_max/a_min - its reference value, a^2 = 5/(2M) (lambda_b + lambda_c - lambda_a) of the "
+        "inertia-equivalent ellipsoid, inertia integrated over the cell's deformed volume",
+    ),
+    "axes": (
+        "semi-axes of the inertia-equivalent ellipsoid, shortest first",
+        "length",
+        "a^2 = 5/(2M) (lambda_b + lambda_c - lambda_a)",
+    ),
+    "centroid": ("centroid", "length", "sum V_e x_e / sum V_e"),
+}
+
+
+def cell_metrics(
+    ds: xr.Dataset,
+    model: Model | None = None,
+    cells: Cells = None,
+    density: float | None = None,
+    sides: str = "both",
+) -> xr.Dataset:
+    """Metrics (cell, time) of each cell of a result.
+
+    ds         result (time, node, element), from FEBio or febkit
+    model      the .feb model of the run: materials, for stress and flux at integration points; without it
+               the plotfile's element means are used and ``attrs["how"]`` says so
+    cells      parts, sets, element rows or labels: see :func:`febkit.metrics.select_cells`
+    density    fluid density in pg per cubic unit of length; water by default
+    sides      nodal flux on a cell's surface is the mean over the elements of the cell ("cell") or of all
+               elements at the node ("both")
+
+    Raises InputError where cells or displacement are missing. Metrics that lack a source are left out and
+    named in ``attrs["missing"]``.
+    """
+    pick = select_cells(ds, cells)
+    u = units.of(ds.attrs.get("units"))
+    sources = Sources(ds, model)
+    groups = grouping.make(ds, pick.rows, pick.owner, sources.parts or None)
+    on = flux.surface(groups, len(pick.names))
+    exchange = _Exchange.make(ds, pick, on, sources, sides)
+    data = _measure(ds, groups, pick, sources, exchange)
+    if "mass_exchange_rate" in data:
+        data["mass_exchange_rate"] *= u.water if density is None else density
+    return _dataset(ds, data, pick, sources, u, density, sides)
+
+
+@dataclass(slots=True, eq=False)
+class _Exchange:
+    """Outflow of fluid through each cell's surface; ``groups`` are the elements that touch it."""
+
+    on: flux.CellSurface
+    groups: list[Group]
+    laws: list[NodalFlux]
+    mean: flux.NodalMean
+
+    @classmethod
+    def make(
+        cls, ds: xr.Dataset, pick: Selection, on: flux.CellSurface, sources: Sources, sides: str
+    ) -> _Exchange | None:
+        if sides not in ("both", "cell"):
+            raise ValueError(f'sides must be "both" or "cell", not {sides!r}')
+        rows, owner = _touching(ds, pick, on, outside=sides == "both")
+        groups = grouping.make(ds, rows, owner, sources.parts or None)
+        laws = [sources.nodal_flux(g) for g in groups]
+        if any(law is None for law in laws):
+            return None
+        mean = flux.NodalMean(on, [g.owner for g in groups], [g.nodes for g in groups])
+        return cls(on, groups, [law for law in laws if law is not None], mean)
+
+    def outflow(self, u: Floats, t: int) -> Floats:
+        """(cell,) integral of q.n for displacements ``u`` (N, 3)."""
+        q = self.mean([law(g.at(u, gradient=True), t) for g, law in zip(self.groups, self.laws)])
+        x = self.groups[0].X[self.on.node] + u[self.on.node]
+        return flux.outflow(self.on, x.T, q)
+
+
+def _touching(ds: xr.Dataset, pick: Selection, on: flux.CellSurface, outside: bool) -> tuple[Ints, Ints]:
+    """Rows of the elements with a node on a cell's surface, and the cell; those of other cells or parts
+    only where ``outside``. An element between two cells comes once for each."""
+    conn = np.asarray(ds["connectivity"].values)
+    inside = np.full(ds.sizes["element"], -1)
+    inside[pick.rows] = pick.owner
+    order = np.argsort(on.node, kind="stable")
+    nodes, cell = on.node[order], on.cell[order]
+    start, stop = (np.searchsorted(nodes, conn, side=s) for s in ("left", "right"))
+    e, a = np.nonzero(stop > start)
+    count = (stop - start)[e, a]
+    at = np.repeat(start[e, a], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    pairs = np.unique(np.stack([np.repeat(e, count), cell[at]], axis=1), axis=0)
+    if not outside:
+        pairs = pairs[inside[pairs[:, 0]] == pairs[:, 1]]
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _measure(
+    ds: xr.Dataset, groups: list[Group], pick: Selection, sources: Sources, exchange: _Exchange | None
+) -> dict[str, Floats]:
+    """Arrays (cell, time[, component]) of everything in :data:`TABLE` that has a source."""
+    n, times = len(pick.names), ds.sizes["time"]
+    rest = _Moments(n)
+    for g in groups:
+        rest.add(g, g.at(np.zeros_like(g.X)))
+    sweep = Sweep(ds, groups, sources)
+    raw: dict[str, Floats] = {}
+
+    def put(name: str, t: int, value: Floats) -> None:
+        raw.setdefault(name, np.full((n, times, *value.shape[1:]), np.nan))[:, t] = value
+
+    for t, states in sweep:
+        now = _Moments(n)
+        weighted: dict[str, Floats] = {}
+        for k, (g, s) in enumerate(zip(groups, states)):
+            now.add(g, s)
+            for name, v in sweep.scalars(k, g, s, t).items():
+                weighted[name] = weighted.get(name, 0) + shape.sums(g.owner, v * s.volume, n)
+        for name in SCALARS:
+            if name in weighted:
+                put(name, t, weighted[name] / now.volume)
+        for name, value in now.compared_with(rest).items():
+            put(name, t, value)
+        if exchange is not None:
+            put("mass_exchange_rate", t, exchange.outflow(sources.displacement(t), t))
+    return raw
+
+
+class _Moments:
+    """Sums over each cell that its shape is made of: of element centroids, and of the whole volume."""
+
+    def __init__(self, cells: int) -> None:
+        self.cells = cells
+        self.volume = np.zeros(cells)
+        self.first, self.second = np.zeros((3, cells)), np.zeros((6, cells))
+        self.lumped = np.zeros((6, cells))
+
+    def add(self, g: Group, s: State) -> None:
+        V = s.volume
+        first, second = shape.second_moments(s.dv, g.at_points(s.x))
+        _, lumped = shape.second_moments(V, first / V)
+        self.volume += shape.sums(g.owner, V, self.cells)
+        self.first += shape.sums(g.owner, first, self.cells)
+        self.second += shape.sums(g.owner, second, self.cells)
+        self.lumped += shape.sums(g.owner, lumped, self.cells)
+
+    def printed_ratio(self) -> Floats:
+        return shape.printed_ratio(shape.central(self.volume, self.first, self.lumped))
+
+    def axes(self) -> Floats:
+        return shape.ellipsoid_axes(self.volume, shape.central(self.volume, self.first, self.second))
+
+    def compared_with(self, rest: _Moments) -> dict[str, Floats]:
+        axes, axes0 = self.axes(), rest.axes()
+        return {
+            "aspect_ratio_change": self.printed_ratio() - rest.printed_ratio(),
+            "volumetric_strain": self.volume / rest.volume - 1,
+            "volume": self.volume,
+            "axes": axes,
+            "axes_ratio_change": _ratio(axes) - _ratio(axes0),
+            "centroid": (self.first / self.volume).T,
+        }
+
+
+def _ratio(axes: Floats) -> Floats:
+    """(cell,) longest over shortest; NaN for a cell without width (one linear tetrahedron)."""
+    return axes[:, 2] / np.where(axes[:, 0] > 0, axes[:, 0], np.nan)
+
+
+def _dataset(
+    ds: xr.Dataset,
+    data: dict[str, Floats],
+    pick: Selection,
+    sources: Sources,
+    u: units.Units,
+    density: float | None,
+    sides: str,
+) -> xr.Dataset:
+    import xarray as xr
+
+    unit = {"": "1", "stress": u.stress, "mass": "pg/s", "volume": f"{u.length}^3", "length": u.length}
+    dims = {"axes": ("axis",), "centroid": ("xyz",)}
+    out = {}
+    for name, (long_name, kind, formula) in TABLE.items():
+        if name not in data:
+            continue
+        attrs: dict[str, object] = {"long_name": long_name, "units": unit[kind], "formula": formula}
+        if sources.notes.of(name):
+            attrs["how"] = sources.notes.of(name)
+        out[name] = (("cell", "time", *dims.get(name, ())), data[name], attrs)
+    if "mass_exchange_rate" in out:
+        rho = u.water if density is None else density
+        out["mass_exchange_rate"][2].update(density=rho, density_units=f"pg/{u.length}^3", sides=sides)
+    missing = [f"{m}: {sources.notes.of(m)}" for m in METRICS if m not in out]
+    counts = np.bincount(pick.owner, minlength=len(pick.names))
+    coords = {
+        "cell": list(pick.names),
+        "time": np.asarray(ds["time"].values),
+        "xyz": ["x", "y", "z"],
+        "elements": ("cell", counts),
+    }
+    about = {
+        "source": "Sibole et al. 2013, eqs 10-18",
+        "reference": "undeformed coordinates",
+        "model_units": ds.attrs.get("units", "") or f"not given, taken as {u.length}, {u.stress}, s",
+        "missing": "; ".join(missing),
+    }
+    return xr.Dataset(out, coords=coords, attrs=about)

@@ -1,0 +1,135 @@
+"""Where stress and fluid flux come from: the plotfile, or the model's materials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from febkit.model import InputError, UnsupportedError
+
+from . import materials, tensors
+from .flux import darcy
+from .kinematics import Group, State
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.model import Component, Model
+
+Floats = NDArray[np.float64]
+# effective stress (e,) of a group's elements at a state, time index
+T = TypeVar("T")
+EffectiveStress = Callable[[State, int], Floats]
+# element-node flux (3, n, e) of a group at a state, time index
+NodalFlux = Callable[[State, int], Floats]
+
+
+@dataclass(slots=True)
+class Provenance:
+    """Sentences for the user: how each thing was got, and what was missing."""
+
+    notes: dict[str, set[str]] = field(default_factory=dict)
+
+    def add(self, what: str, how: str) -> None:
+        self.notes.setdefault(what, set()).add(how)
+
+    def of(self, what: str) -> str:
+        return "; ".join(sorted(self.notes.get(what, set())))
+
+
+@dataclass(slots=True, eq=False)
+class Sources:
+    """Chooses, for each group, the best source there is; ``notes`` tells which."""
+
+    ds: xr.Dataset
+    model: Model | None = None
+    notes: Provenance = field(default_factory=Provenance)
+    parts: dict[str, Component] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.parts = materials.of_parts(self.model) if self.model is not None else {}
+
+    def displacement(self, t: int) -> Floats:
+        """(N, 3) nodal displacements."""
+        if "displacement" not in self.ds:
+            raise InputError("the result holds no displacement: nothing can be measured without it")
+        return np.asarray(self.ds["displacement"][t].values, dtype=float)
+
+    def effective_stress(self, group: Group) -> EffectiveStress | None:
+        """From the material at the integration points; else of the plotfile's element means."""
+        what = "effective_stress"
+        law = self._law(group, materials.stress, what)
+        if law is not None:
+            self.notes.add(
+                what, "recomputed at the integration points from displacement and the model's material"
+            )
+            return lambda s, t: group.mean(tensors.effective(law(s.F, s.J)))
+        for name in ("stress", "solid_stress"):
+            if name in self.ds:
+                self.notes.add(
+                    what, f"of the plotfile's element mean {name} (no material to recompute it from)"
+                )
+                v = self.ds[name]
+                return lambda s, t: tensors.effective(np.asarray(v[t].values, dtype=float)[group.rows].T)
+        self.notes.add(what, "missing: no model was given and the plotfile has no stress")
+        return None
+
+    def nodal_flux(self, group: Group) -> NodalFlux | None:
+        """Plotfile's nodal fluid flux; else Darcy from pressure; else element means."""
+        what = "mass_exchange_rate"
+        if "nodal_fluid_flux" in self.ds:
+            self.notes.add(what, "nodal fluid flux of the plotfile")
+            v = self.ds["nodal_fluid_flux"]
+            n = group.element.nodes
+            return lambda s, t: np.asarray(v[t].values, dtype=float)[group.rows, :n].transpose(2, 1, 0)
+        law = self._permeability(group)
+        if law is not None:
+            self.notes.add(
+                what,
+                "-K grad p at the integration points from displacement, effective fluid "
+                "pressure and the model's permeability, extrapolated to nodes as FEBio does",
+            )
+            p = self.ds["effective_fluid_pressure"]
+            return lambda s, t: group.to_nodes(darcy(group, s, np.asarray(p[t].values, dtype=float), law))
+        if "fluid_flux" in self.ds:
+            self.notes.add(what, "the plotfile's element mean fluid flux, constant in each element")
+            f, n = self.ds["fluid_flux"], group.element.nodes
+            return lambda s, t: np.repeat(
+                np.asarray(f[t].values, dtype=float)[group.rows].T[:, None], n, axis=1
+            )
+        self.notes.add(
+            what, "missing: no fluid flux in the plotfile, no pressure with a model to get it from"
+        )
+        return None
+
+    def element_flux(self, group: Group) -> Callable[[State, int], Floats] | None:
+        """(3, e) element mean fluid flux."""
+        law = self._permeability(group)
+        if law is not None:
+            self.notes.add("fluid_flux", "mean of -K grad p at the integration points")
+            p = self.ds["effective_fluid_pressure"]
+            return lambda s, t: group.mean(darcy(group, s, np.asarray(p[t].values, dtype=float), law))
+        if "fluid_flux" in self.ds:
+            self.notes.add("fluid_flux", "fluid flux of the plotfile")
+            f = self.ds["fluid_flux"]
+            return lambda s, t: np.asarray(f[t].values, dtype=float)[group.rows].T
+        return None
+
+    def _permeability(self, group: Group) -> materials.Permeability | None:
+        if "effective_fluid_pressure" not in self.ds:
+            return None
+        return self._law(group, materials.permeability, "mass_exchange_rate")
+
+    def _law(self, group: Group, make: Callable[[Component], T], what: str) -> T | None:
+        spec = self.parts.get(group.material)
+        if spec is None:
+            return None
+        try:
+            return make(spec)
+        except UnsupportedError as e:
+            self.notes.add(what, f"not from the model: {e}")
+            return None
