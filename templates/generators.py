@@ -1,0 +1,73 @@
+"""Mesh generators that a template file can name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from febkit.model import InputError
+
+from .parts import Generated, Parts
+from .quality import judge
+from .sets import named_mesh
+
+ROLES = {"tissue": "ecm", "ecm": "ecm", "pcm": "pcm", "cell": "chondrocyte"}
+
+
+def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
+    """The model's mesh, the names templates may use, and the report of its quality."""
+    quality = judge(made.X, list(made.parts.values()))
+    if quality.jacobian_min <= 0:
+        raise InputError("the mesh has elements turned inside out: the cells leave too little room around them; "
+                         "raise gap or room, or give a finer background (n)")
+    parts = []
+    for name in made.parts:
+        role = ROLES.get(name.partition("_")[0])
+        if role is None:
+            raise InputError(f"part '{name}': templates know parts named tissue, ecm, pcm_... and cell_...; "
+                             "rename it with part_names")
+        parts.append([name, role])
+    facts = {"parts": parts, "roles": sorted({r for _, r in parts})}
+    report = {"nodes": len(made.X), "elements": made.elements, "quality": quality} | dict(more)
+    return Generated(named_mesh(made), facts, report)
+
+
+def _tissue(p: dict[str, Any]) -> Generated:
+    from .tissue_cube import tissue_cube
+
+    return _from_file(p) if p.get("mesh_file") else _finished(tissue_cube(p), {})
+
+
+def _cell(p: dict[str, Any]) -> Generated:
+    from .cell_cube import cell_cube, volume_report
+
+    if p.get("mesh_file"):
+        return _from_file(p)
+    cube = cell_cube(p)
+    more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres}
+    return _finished(cube.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge))
+
+
+def _embedded(p: dict[str, Any]) -> Generated:
+    from .cell_cube import volume_report
+    from .embedded_cube import embedded_cube
+
+    whole = embedded_cube(p)
+    cube = whole.inner
+    more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres,
+                            "nodes of the cell cube": len(cube.mesh.X)}
+    return _finished(whole.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge))
+
+
+def _from_file(p: dict[str, Any]) -> Generated:
+    from .user_mesh import user_mesh
+
+    if not p.get("mesh_file"):
+        raise InputError("set mesh_file to the mesh to read (any format of meshio)")
+    made = user_mesh(p["mesh_file"], p.get("part_names", {}), p.get("part_array", ""), float(p.get("scale", 1.0)))
+    return _finished(made, {"read from": p["mesh_file"]})
+
+
+GENERATORS: dict[str, Callable[[dict[str, Any]], Generated]] = {
+    "tissue": _tissue, "cell": _cell, "embedded": _embedded, "file": _from_file,
+}

@@ -1,0 +1,93 @@
+"""The O-grid block: a rounded core, a cell, its pericellular matrix, and a way out to a box.
+
+Hexahedra only. On a lattice of m_x x m_y x m_z the parameters s in [-1, 1]^3 become
+t = tan(pi s / 4), so that the planes of the lattice cut the unit sphere at equal angles; n = t/|t|
+are the directions. Layers grow from the core's skin along the directions to the cell's surface and
+the PCM's, both exact at every node, and along straight lines to the skin of the block.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from febkit.model.mesh import Floats, Ints
+
+from .lattice import grown, hexahedra, in_file_order, node_lattice, skin_index, skin_quads, spaced
+
+# share of the cell's radius that the core takes, and how round the core's skin is (0 cube, 1 sphere)
+CORE, ROUND = 0.5, 0.52
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Nodes of a block and its elements; the last ``skin`` nodes are the box's own, in skin order."""
+
+    X: Floats  # (node, 3), without the box's nodes
+    cell: Ints  # (element, 8) node numbers
+    pcm: Ints
+    ecm: Ints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """The connectivity of all blocks of one size."""
+
+    parameters: Floats  # (node, 3) of the core's lattice, t in [-1, 1]^3
+    skin: Ints  # (skin node,) rows of ``parameters``
+    layers: tuple[int, int, int]
+    cell: Ints
+    pcm: Ints
+    ecm: Ints
+
+    @property
+    def interior(self) -> int:
+        """Nodes of a block without those of the box's skin."""
+        return len(self.parameters) + (sum(self.layers) - 1) * len(self.skin)
+
+
+def pattern(size: tuple[int, int, int], layers: tuple[int, int, int]) -> Pattern:
+    """The connectivity of a block of ``size`` with ``layers`` in the cell, the PCM and beyond."""
+    ids = node_lattice(size)
+    at = np.stack(np.meshgrid(*(np.arange(m + 1) for m in size), indexing="ij"), axis=-1)
+    s = 2.0 * in_file_order(at) / np.array(size) - 1.0
+    index = skin_index(size)
+    skin = ids[tuple(index.T)]
+    rank = np.full(ids.size, -1, dtype=np.int64)
+    rank[skin] = np.arange(len(skin))
+    quads = ids[tuple(np.moveaxis(skin_quads(size)[0], -1, 0))]
+    ranked, core = rank[quads], ids.size
+    levels = [quads] + [core + layer * len(skin) + ranked for layer in range(sum(layers))]
+    shells = [grown(a, b) for a, b in zip(levels[:-1], levels[1:], strict=True)]
+    first, second = layers[0], layers[0] + layers[1]
+    cell = np.concatenate([in_file_order(hexahedra(ids)), *shells[:first]])
+    return Pattern(np.tan(np.pi / 4.0 * s), skin, layers, cell, np.concatenate(shells[first:second]),
+                   np.concatenate(shells[second:]))
+
+
+def core_nodes(t: Floats, share: float = CORE, rounding: float = ROUND) -> Floats:
+    """The core of the unit cell: the lattice between a cube (rounding 0) and a ball (rounding 1)."""
+    reach = np.abs(t).max(axis=1, keepdims=True)
+    length = np.linalg.norm(t, axis=1, keepdims=True)
+    n = t / np.where(length > 0, length, 1.0)
+    cube = t * np.sqrt(2.0 / 3.0)
+    w = rounding * reach
+    x: Floats = share * ((1.0 - w) * cube + w * reach * n)
+    return x
+
+
+def block_nodes(p: Pattern, centre: Floats, inner: Floats, outer: Floats, box: Floats, ratio: float) -> Floats:
+    """Coordinates (node, 3) of a block's interior nodes.
+
+    ``inner`` and ``outer`` are the stretches (3, 3) of the cell's and the PCM's ellipsoids, ``box``
+    (skin node, 3) the box's nodes, ``ratio`` the last over the first thickness of the layers outside.
+    """
+    core = core_nodes(p.parameters)
+    t = p.parameters[p.skin]
+    n = t / np.linalg.norm(t, axis=1, keepdims=True)
+    stations = [core[p.skin] @ inner, n @ inner, n @ outer, box - centre]
+    levels = []
+    for a, b, count, r in zip(stations[:-1], stations[1:], p.layers, (1.0, 1.0, ratio), strict=True):
+        levels += [(1.0 - f) * a + f * b for f in spaced(0.0, 1.0, count, r)[1:]]
+    return centre + np.concatenate([core @ inner, *levels[:-1]])

@@ -1,0 +1,121 @@
+"""Parameters of a template: their defaults, units and bounds, and the values a user gives."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from febkit.model import InputError, Where
+
+_FIELDS = {"default", "doc", "unit", "min", "max", "above", "below", "choices", "kind"}
+_KINDS: dict[str, tuple[type, ...]] = {
+    "integer": (int,), "number": (int, float), "text": (str,), "switch": (bool,), "list": (list,),
+    "numbers": (int, float, list), "table": (dict,), "text or numbers": (str, list),
+}
+_LIMITS = (("min", "at least", lambda v, b: v >= b), ("max", "at most", lambda v, b: v <= b),
+           ("above", "greater than", lambda v, b: v > b), ("below", "less than", lambda v, b: v < b))
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter as ``[parameters.name]`` of a template file says it.
+
+    ``kind``: integer, number, text, switch, list, numbers (one, or lists of them), table; told from
+    the default where it is not given. Bounds ``min max above below`` hold for every number in a value.
+    """
+
+    name: str
+    default: Any
+    doc: str
+    unit: str = ""
+    kind: str = ""
+    choices: tuple[Any, ...] = ()
+    limits: Mapping[str, float] | None = None
+
+    def checked(self, value: Any, where: Where | None = None) -> Any:
+        """The value, or an InputError that says what is allowed."""
+        if self.choices and value not in self.choices:
+            raise InputError(f"{self.name} must be one of {', '.join(map(str, self.choices))}, not {value}", where)
+        allowed = _KINDS[self.kind]
+        if (isinstance(value, bool) and self.kind != "switch") or not isinstance(value, allowed):
+            if self.kind == "integer" and isinstance(value, float) and value.is_integer():
+                value = int(value)
+            else:
+                unit = f" ({self.unit})" if self.unit else ""
+                raise InputError(f"{self.name} must be of kind {self.kind}{unit}, not {value!r}: {self.doc}", where)
+        for number in _numbers(value):
+            for key, words, holds in _LIMITS:
+                bound = (self.limits or {}).get(key)
+                if bound is not None and not holds(number, bound):
+                    raise InputError(f"{self.name} must be {words} {bound:g} {self.unit}".rstrip()
+                                     + f", not {number:g}", where)
+        return value
+
+
+def _numbers(value: Any) -> list[float]:
+    if isinstance(value, list):
+        return [x for v in value for x in _numbers(v)]
+    return [value] if isinstance(value, int | float) and not isinstance(value, bool) else []
+
+
+def declared(name: str, table: Mapping[str, Any], where: Where) -> Parameter:
+    """A parameter from its table in the template file."""
+    unknown = set(table) - _FIELDS
+    if unknown:
+        raise InputError(f"[parameters.{name}] has no field '{sorted(unknown)[0]}'; known: {', '.join(sorted(_FIELDS))}",
+                         where)
+    if "default" not in table or not table.get("doc"):
+        raise InputError(f"[parameters.{name}] needs a default and a doc", where)
+    default = table["default"]
+    kind = table.get("kind") or _told(default)
+    if kind not in _KINDS:
+        raise InputError(f"[parameters.{name}] has the unknown kind '{kind}'; known: {', '.join(_KINDS)}", where)
+    limits = {k: float(table[k]) for k, _, _ in _LIMITS if k in table}
+    p = Parameter(name, default, " ".join(str(table["doc"]).split()), str(table.get("unit", "")), kind,
+                  tuple(table.get("choices", ())), limits)
+    p.checked(default, where)
+    return p
+
+
+def _told(default: Any) -> str:
+    for kind, types in (("switch", bool), ("integer", int), ("number", float), ("text", str), ("list", list),
+                        ("table", dict)):
+        if isinstance(default, types):
+            return kind
+    return ""
+
+
+def from_text(text: str) -> Any:
+    """The value of ``--set name=text``: as TOML reads it, a bare word as text, ``a,b,c`` as a list.
+
+    >>> from_text("11"), from_text("A"), from_text("3,2,2"), from_text("[0, 0.1]")
+    (11, 'A', [3, 2, 2], [0, 0.1])
+    """
+    for attempt in (text, f"[{text}]" if "," in text else text):
+        try:
+            return tomllib.loads(f"v = {attempt}")["v"]
+        except tomllib.TOMLDecodeError:
+            continue
+    return text
+
+
+def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str, Any]],
+           given: Sequence[tuple[Mapping[str, Any], Where]]) -> dict[str, Any]:
+    """Values of all parameters: the defaults, then those of the named size, then those given, in order."""
+    sources: list[tuple[Mapping[str, Any], Where]] = list(given)
+    size = next((v["size"] for v, _ in reversed(sources) if "size" in v), None)
+    if size is not None:
+        if size not in sizes:
+            raise InputError(f"size must be one of {', '.join(sizes) or 'none'}, not {size}")
+        sources.insert(0, (sizes[size], Where()))
+    values = {name: p.default for name, p in parameters.items()}
+    for table, where in sources:
+        for name, value in table.items():
+            if name == "size":
+                continue
+            if name not in parameters:
+                raise InputError(f"'{name}' is no parameter of this template; known: {', '.join(parameters)}, size", where)
+            values[name] = parameters[name].checked(value, where)
+    return values

@@ -1,0 +1,79 @@
+"""Template files of models: a .feb without its <Mesh>, with places, conditions and repetitions.
+
+    <bc if="case in ('A', 'B')" type="prescribed displacement" node_set="top"> ... ${-depth} ... </bc>
+    <SolidDomain for="name, role in parts" name="${name}" mat="${role}"/>
+
+``${expression}`` stands for a value, ``if`` drops an element, ``for`` repeats it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from febkit.model import InputError, Mesh, Model, Where
+
+from .expression import evaluate, fill
+
+
+def instantiate(path: Path, names: Mapping[str, Any], mesh: Mesh) -> Model:
+    """The model of a template file with its values filled in, on a mesh."""
+    from febkit.feb import read_bytes
+
+    data = expand(path, names)
+    model = read_bytes(data, str(path))
+    return replace(model, mesh=mesh, document=None, file="")
+
+
+def expand(path: Path, names: Mapping[str, Any]) -> bytes:
+    """The XML of a template file with its values filled in."""
+    from lxml import etree
+
+    try:
+        tree = etree.parse(str(path), etree.XMLParser(remove_comments=True))
+    except OSError:
+        raise InputError("cannot open the template's model file", Where(str(path))) from None
+    except etree.XMLSyntaxError as e:
+        raise InputError(f"not well-formed XML: {e.msg}", Where(str(path), e.lineno or 0)) from None
+    root = tree.getroot()
+    _expand_children(root, dict(names), str(path))
+    data: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return data
+
+
+def _expand_children(parent: Any, names: dict[str, Any], file: str) -> None:
+    where = Where(file, parent.sourceline or 0)
+    for key in list(parent.attrib):
+        parent.attrib[key] = fill(parent.attrib[key], names, where)
+    if parent.text:
+        parent.text = fill(parent.text, names, where)
+    for child in list(parent):
+        copies = list(_copies(child, names, file))
+        at = parent.index(child)
+        parent.remove(child)
+        for offset, (copy, local) in enumerate(copies):
+            parent.insert(at + offset, copy)
+            _expand_children(copy, local, file)
+
+
+def _copies(child: Any, names: dict[str, Any], file: str) -> Iterator[tuple[Any, dict[str, Any]]]:
+    """An element as often as its ``for`` says, where its ``if`` holds."""
+    from copy import deepcopy
+
+    where = Where(file, child.sourceline or 0)
+    loop, condition = child.attrib.pop("for", None), child.attrib.pop("if", None)
+    if loop is None:
+        rounds: list[dict[str, Any]] = [{}]
+    else:
+        variables, found, source = loop.partition(" in ")
+        if not found:
+            raise InputError(f'for="{loop}" must read for="name in list"', where)
+        keys = [v.strip() for v in variables.split(",")]
+        rounds = [dict(zip(keys, v if len(keys) > 1 else [v], strict=True)) for v in evaluate(source, names, where)]
+    for more in rounds:
+        local = names | more
+        if condition is None or evaluate(condition, local, where):
+            copy = deepcopy(child)
+            yield copy, local

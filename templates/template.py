@@ -1,0 +1,119 @@
+"""A template: a folder with ``template.toml`` (parameters, mesh) and a model file (a .feb skeleton)."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from febkit.model import InputError, Model, Where
+
+from .generators import GENERATORS
+from .parameters import Parameter, chosen, declared
+from .parts import Generated
+from .skeleton import instantiate
+
+HERE = Path(__file__).resolve().parent
+BUILT_IN = ("tissue", "cell", "embedded")
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """What the folder says. ``model`` is the skeleton's path, ``mesh`` the name of a generator."""
+
+    name: str
+    title: str
+    mesh: str
+    model: Path
+    parameters: Mapping[str, Parameter]
+    sizes: Mapping[str, Mapping[str, Any]]
+
+    def values(self, given: Sequence[tuple[Mapping[str, Any], Where]] = ()) -> dict[str, Any]:
+        """All parameters with the values given; later tables win."""
+        return chosen(self.parameters, self.sizes, given)
+
+    def build(self, values: Mapping[str, Any]) -> tuple[Model, Generated]:
+        """The model and its mesh."""
+        made = GENERATORS[self.mesh](dict(values))
+        return instantiate(self.model, dict(values) | dict(made.facts), made.mesh), made
+
+
+def load(name: str, folder: Path | None = None) -> Template:
+    """A built-in template, or the one in a user's folder (or in its subfolder ``name``)."""
+    home = HERE / name
+    if folder is not None:
+        home = folder if (folder / "template.toml").is_file() else folder / name
+        if not (home / "template.toml").is_file():
+            raise InputError(f"no template.toml in {folder} nor in {folder / name}")
+    elif name not in BUILT_IN:
+        raise InputError(f"no template '{name}'; there are {', '.join(BUILT_IN)}, or give a folder with --template")
+    return _read(home / "template.toml", depth=0)
+
+
+def _read(path: Path, depth: int) -> Template:
+    where = Where(str(path))
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as e:
+        raise InputError(f"cannot open the template: {e.strerror}", where) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
+        raise InputError(f"not well-formed TOML: {e}", where) from None
+    unknown = set(table) - {"title", "base", "mesh", "model", "parameters", "sizes"}
+    if unknown:
+        raise InputError(f"unknown entry '{sorted(unknown)[0]}' in a template", where)
+    base = _base(table, path, depth)
+    merged = _merged(base.parameters if base else {}, table.get("parameters", {}), where)
+    mesh = table.get("mesh", base.mesh if base else "")
+    if mesh not in GENERATORS:
+        raise InputError(f"mesh = '{mesh}' is no mesh generator; there are {', '.join(GENERATORS)}", where)
+    model = path.parent / table.get("model", "model.feb")
+    if not model.is_file() and base and "model" not in table:
+        model = base.model
+    sizes = dict(base.sizes if base else {}) | table.get("sizes", {})
+    return Template(path.parent.name, str(table.get("title", "")), mesh, model, merged, sizes)
+
+
+def _base(table: Mapping[str, Any], path: Path, depth: int) -> Template | None:
+    """The template that ``base`` names: a built-in one or a folder beside this file."""
+    name = table.get("base")
+    if name is None:
+        return None
+    if depth > 8:
+        raise InputError("templates name each other as base in a circle", Where(str(path)))
+    beside = path.parent / str(name) / "template.toml"
+    home = beside if beside.is_file() else HERE / str(name) / "template.toml"
+    if not home.is_file():
+        raise InputError(f"base = '{name}' is neither a built-in template ({', '.join(BUILT_IN)}) nor a folder",
+                         Where(str(path)))
+    return _read(home, depth + 1)
+
+
+def _merged(base: Mapping[str, Parameter], tables: Mapping[str, Any], where: Where) -> dict[str, Parameter]:
+    """Parameters of the base, changed and added to. A changed one may give its default alone."""
+    merged = dict(base)
+    for name, table in tables.items():
+        if name == "size":
+            raise InputError("'size' is reserved: it names a table under [sizes]", where)
+        if not isinstance(table, dict):
+            table = {"default": table}
+        old = base.get(name)
+        if old is not None:
+            full: dict[str, Any] = {"default": old.default, "doc": old.doc, "unit": old.unit, "kind": old.kind,
+                                    "choices": list(old.choices)} | dict(old.limits or {})
+            table = full | table
+        merged[name] = declared(name, table, where)
+    return merged
+
+
+def parameters_file(path: Path) -> tuple[dict[str, Any], Where]:
+    """Values from a TOML file of ``name = value`` lines."""
+    where = Where(str(path))
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as e:
+        raise InputError(f"cannot open the parameters: {e.strerror}", where) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
+        raise InputError(f"not well-formed TOML: {e}", where) from None
+    return table, where

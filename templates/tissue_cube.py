@@ -1,0 +1,37 @@
+"""The tissue: a cube of hexahedra whose middle element has an edge of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from febkit.model import InputError
+from febkit.model.mesh import Floats
+
+from .lattice import hexahedra, in_file_order, node_lattice, nodes_at, spaced
+from .parts import Parts
+
+
+def tissue_cube(p: dict[str, Any]) -> Parts:
+    """Build the cube from the template's parameters (see templates/tissue/template.toml)."""
+    n = int(p["n"])
+    planes = tissue_planes(n, float(p["edge"]), float(p["centre"]), float(p["grading"]))
+    conn = in_file_order(hexahedra(node_lattice((n, n, n))))
+    return Parts(nodes_at(planes, planes, planes), {str(p["part"]): ("hex8", conn)})
+
+
+def tissue_planes(n: int, edge: float, centre: float, ratio: float = 1.0) -> Floats:
+    """n + 1 planes across the cube, the middle two ``centre`` apart (0: all equally spaced).
+
+    ``ratio`` is the outermost over the innermost thickness outside the middle element.
+    """
+    if centre == 0.0:
+        return np.linspace(-edge / 2.0, edge / 2.0, n + 1)
+    if n % 2 == 0 or n < 3:
+        raise InputError(f"n = {n} elements have no element in the middle: use an odd n of 3 or more, "
+                         "or set centre = 0 for equal elements")
+    if centre >= edge:
+        raise InputError(f"centre ({centre}) must be smaller than the edge of the tissue ({edge})")
+    side = spaced(centre / 2.0, edge / 2.0, (n - 1) // 2, ratio)
+    return np.concatenate([-side[::-1], side])
