@@ -84,7 +84,7 @@ class ModelBuilder:
         control = self.common.pop("control", None)
         steps = tuple(self.steps)
         if control is not None:
-            steps = (Step(control=control, where=control.where), *steps)
+            steps = _with_control(control, steps)
         none = Mesh(np.zeros(0, np.int64), np.zeros((0, 3)))
         return Model(version="4.0", mesh=self.fields.pop("mesh", none), common=Step(**self.common),
                      steps=steps, file=self.file, unknown=tuple(self.unknown), **self.fields)
@@ -198,6 +198,16 @@ class ModelBuilder:
         self.fields["output"] = out
 
 
+def _with_control(control: Component, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """A <Control> outside <Step> speaks of the first step, whose own control comes after it."""
+    if not steps:
+        return (Step(control=control, where=control.where),)
+    own = steps[0].control
+    if own is not None:
+        control = replace(own, children=control.children + own.children)
+    return (replace(steps[0], control=control), *steps[1:])
+
+
 def _point(tag: Tag) -> tuple[float, float]:
     v = floats(tag)
     if len(v) != 2:
@@ -207,7 +217,8 @@ def _point(tag: Tag) -> tuple[float, float]:
 
 def _plot_variable(tag: Tag) -> PlotVariable:
     type_, _, alias = tag.need("type").partition("=")
-    return PlotVariable(type_, alias or None, tag.get("surface") or tag.get("elem_set"), tag.where)
+    more = bool(tag.text.strip() or tag.children or set(tag.attrs) - {"type", "surface"})
+    return PlotVariable(type_, alias or None, tag.get("surface"), tag.where, component(tag) if more else None)
 
 
 def _log_entry(tag: Tag, doc: Document | None) -> LogEntry:

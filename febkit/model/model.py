@@ -60,6 +60,7 @@ class PlotVariable:
     alias: str | None = None
     surface: str | None = None
     where: Where = field(default_factory=Where)
+    spec: Component | None = None  # where the file says more: an element set, a list of items
 
 
 @dataclass(frozen=True, slots=True)
