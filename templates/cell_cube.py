@@ -15,9 +15,10 @@ from febkit.model import InputError
 from febkit.model.mesh import Floats, Ints
 
 from .cells import Cells, Places, block_sizes, make_cells, place_at, place_at_random
-from .lattice import hexahedra, in_file_order, node_lattice, nodes_at, skin_index
+from .lattice import hexahedra, in_file_order, nodes_at, skin_index
 from .ogrid import Pattern, block_nodes, pattern
 from .parts import Parts, numbered
+from .quality import volumes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +40,7 @@ def cell_cube(p: dict[str, Any]) -> CellCube:
     n, edge = int(p["n"]), float(p["edge"])
     layers = (int(p["layers"][0]), int(p["layers"][1]), int(p["layers"][2]))
     if min(layers) < 1:
-        raise InputError(f"layers must be three positive numbers (cell, PCM, around), not {list(p['layers'])}")
+        raise InputError(f"layers must be three numbers from 1 (cell, PCM, around), not {list(p['layers'])}")
     rng = np.random.default_rng(int(p["seed"]))
     given = list(p["centres"])
     count = len(given) if given else int(p["cells"])
@@ -75,10 +76,10 @@ def _assemble(cells: Cells, places: Places, edge: float, n: int, layers: tuple[i
     lattice = nodes_at(planes, planes, planes)[in_file_order(ids >= 0)]
     X, ecm = [lattice], [kept]
     shells: dict[str, Ints] = {}
-    patterns: dict[tuple[int, ...], Pattern] = {}
+    patterns: dict[tuple[int, int, int], Pattern] = {}
     first = len(lattice)
     for c in range(len(cells)):
-        size = tuple(int(m) for m in places.size[c])
+        size = (int(places.size[c, 0]), int(places.size[c, 1]), int(places.size[c, 2]))
         p = patterns.setdefault(size, pattern(size, layers))
         box = ids[tuple((skin_index(size) + places.start[c]).T)]
         inner, outer = cells.stretch(c), cells.stretch(c, float(cells.thickness[c]))
@@ -94,8 +95,6 @@ def _assemble(cells: Cells, places: Places, edge: float, n: int, layers: tuple[i
 
 def volume_report(mesh: Parts, cells: Cells, edge: float) -> dict[str, float]:
     """Volume fractions of cells and PCM in a cube, by the mesh and by the exact ellipsoids."""
-    from .quality import volumes
-
     got: dict[str, float] = {"cell": 0.0, "pcm": 0.0}
     for name, (kind, conn) in mesh.parts.items():
         role = name.partition("_")[0]
@@ -104,7 +103,9 @@ def volume_report(mesh: Parts, cells: Cells, edge: float) -> dict[str, float]:
     exact: tuple[Floats, Floats] = cells.volumes()
     cube = edge**3
     return {
-        "cell volume fraction": got["cell"] / cube, "exact cell volume fraction": float(exact[0].sum()) / cube,
-        "PCM volume fraction": got["pcm"] / cube, "exact PCM volume fraction": float(exact[1].sum()) / cube,
+        "cell volume fraction": got["cell"] / cube,
+        "exact cell volume fraction": float(exact[0].sum()) / cube,
+        "PCM volume fraction": got["pcm"] / cube,
+        "exact PCM volume fraction": float(exact[1].sum()) / cube,
         "ECM volume fraction": 1.0 - (got["cell"] + got["pcm"]) / cube,
     }

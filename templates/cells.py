@@ -56,7 +56,8 @@ class Places:
     size: Ints  # (cell, 3) cells of the block along each axis
 
 
-def make_cells(count: int, diameter: Any, thickness: Any, orientation: Any, rng: np.random.Generator) -> Cells:
+def make_cells(count: int, diameter: Any, thickness: Any, orientation: Any,
+               rng: np.random.Generator) -> Cells:
     """Cells from what a user may say: one size for all, one for each, or three diameters for each."""
     d = np.asarray(diameter, dtype=float)
     if d.ndim == 0 or d.shape == (1,):
@@ -73,7 +74,8 @@ def make_cells(count: int, diameter: Any, thickness: Any, orientation: Any, rng:
         raise InputError(f"thickness must be one length or {count}, not {t.size}")
     if (axes <= 0).any() or (t <= 0).any():
         raise InputError("diameters and thicknesses must be positive")
-    return Cells(axes / 2.0, np.broadcast_to(t.reshape(-1), (count,)).copy(), _rotations(count, orientation, rng))
+    thick = np.broadcast_to(t.reshape(-1), (count,)).copy()
+    return Cells(axes / 2.0, thick, _rotations(count, orientation, rng))
 
 
 def _rotations(count: int, orientation: Any, rng: np.random.Generator) -> Floats:
@@ -85,7 +87,7 @@ def _rotations(count: int, orientation: Any, rng: np.random.Generator) -> Floats
             q, r = np.linalg.qr(rng.standard_normal((count, 3, 3)))
             q = q * np.sign(np.einsum("cii->ci", r))[:, None, :]
             q[np.linalg.det(q) < 0, :, 0] *= -1.0
-            return q
+            return np.asarray(q)
         raise InputError(f'orientation must be "aligned", "random" or rotation vectors, not "{orientation}"')
     v = np.asarray(orientation, dtype=float)
     if v.shape != (count, 3):
@@ -94,7 +96,7 @@ def _rotations(count: int, orientation: Any, rng: np.random.Generator) -> Floats
     k = v / np.where(angle > 0, angle, 1.0)[:, None]
     K = np.zeros((count, 3, 3))
     K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = -k[:, 2], k[:, 1], -k[:, 0]
-    K -= K.swapaxes(1, 2)
+    K -= K.swapaxes(1, 2).copy()
     s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
     rotation: Floats = np.eye(3) + s * K + (1.0 - c) * (K @ K)
     return rotation
@@ -142,8 +144,9 @@ def place_at_random(cells: Cells, size: Ints, edge: float, n: int, margin: int, 
     """
     count, extents, h = len(cells), cells.half_extents(), edge / n
     if (size * h / 2.0 < extents * (1.0 + least) - 1e-12).any():
-        raise InputError(f"a block of {int(size.min())} background elements of {h:.4g} is too small for a cell with "
-                         f"its PCM of half size {extents.max():.4g}; raise block (or leave it 0) or lower n")
+        raise InputError(f"a block of {int(size.min())} background elements of {h:.4g} is too small for a "
+                         f"cell with its PCM of half size {extents.max():.4g}; raise block (or leave it 0), "
+                         "or lower n")
     order = np.argsort(-size.prod(axis=1), kind="stable")
     for _ in range(RESTARTS):
         centres, start = np.zeros((count, 3)), np.zeros((count, 3), dtype=np.int64)
@@ -152,17 +155,20 @@ def place_at_random(cells: Cells, size: Ints, edge: float, n: int, margin: int, 
             for _ in range(TRIES):
                 drawn = rng.uniform(-edge / 2.0, edge / 2.0, 3)
                 centres[c], start[c] = _fit(drawn, size[c], extents[c], edge, n, least, exact=False)
-                if _inside(start[c], size[c], n, margin) and _free(start[c], size[c], start[seen], size[seen]):
+                apart = _free(start[c], size[c], start[seen], size[seen])
+                if apart and _inside(start[c], size[c], n, margin):
                     break
             else:
                 break
         else:
             return Places(centres, start, size)
-    raise InputError(f"no room for {count} cells: their blocks take {size.prod(axis=1).sum()} of {n**3} background "
-                     "elements; use fewer or smaller cells, a finer background (n), or a smaller margin")
+    raise InputError(f"no room for {count} cells: their blocks take {size.prod(axis=1).sum()} of {n**3} "
+                     "background elements; use fewer or smaller cells, a finer background (n), "
+                     "or a smaller margin")
 
 
-def place_at(cells: Cells, centres: Any, size: Ints, edge: float, n: int, margin: int, least: float) -> Places:
+def place_at(cells: Cells, centres: Any, size: Ints, edge: float, n: int, margin: int,
+             least: float) -> Places:
     """Blocks around given centres (cell, 3), measured from the middle of the cube."""
     at = np.asarray(centres, dtype=float)
     if at.shape != (len(cells), 3):
@@ -176,9 +182,9 @@ def place_at(cells: Cells, centres: Any, size: Ints, edge: float, n: int, margin
                 size[c] += more
                 break
         if not _inside(start[c], size[c], n, max(margin, 0)):
-            raise InputError(f"cell {c + 1} at {tuple(at[c])} does not fit in the cube of edge {edge}: its block leaves "
-                             f"less than {margin} background elements to the cube's surface")
+            raise InputError(f"cell {c + 1} at {at[c].tolist()} does not fit in the cube of edge {edge}: its "
+                             f"block leaves less than {margin} background elements to the cube's surface")
         if not _free(start[c], size[c], start[:c], size[:c]):
-            raise InputError(f"the block around cell {c + 1} at {tuple(at[c])} overlaps another cell's; move it away, "
-                             "or raise n so that blocks are closer to the cells")
+            raise InputError(f"the block around cell {c + 1} at {at[c].tolist()} overlaps another cell's; "
+                             "move it away, or raise n so that blocks are closer to the cells")
     return Places(at, start, size)

@@ -68,7 +68,7 @@ def around(skin: Skin, half: float, first: int) -> tuple[list[Layer], Skin]:
         first, skin = first + len(layers[-1].X), layers[-1].skin
     if skin.half < half:
         count = max(1, round(np.log(half / skin.half) / np.log(1.0 + 2.0 / skin.cells[0])))
-        for outer in np.geomspace(skin.half, half, count + 1)[1:-1].tolist() + [half]:
+        for outer in [*np.geomspace(skin.half, half, count + 1)[1:-1].tolist(), half]:
             layers.append(plain(skin, outer, first))
             first, skin = first + len(layers[-1].X), layers[-1].skin
     return layers, skin

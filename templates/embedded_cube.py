@@ -39,7 +39,7 @@ def embedded_cube(p: dict[str, Any]) -> EmbeddedCube:
     X, conn = [cube.mesh.X], []
     if p["transition"] == "3:1":
         if n % 3:
-            raise InputError(f'n = {n} must be a multiple of 3 for transition = "3:1"; or set transition = "none"')
+            raise InputError(f'n = {n} must be a multiple of 3 for transition = "3:1"; or set it to "none"')
         layers, skin = around(skin, centre / 2.0, len(cube.mesh.X))
         X += [layer.X for layer in layers]
         conn += [layer.conn for layer in layers]

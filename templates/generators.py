@@ -18,8 +18,8 @@ def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
     """The model's mesh, the names templates may use, and the report of its quality."""
     quality = judge(made.X, list(made.parts.values()))
     if quality.jacobian_min <= 0:
-        raise InputError("the mesh has elements turned inside out: the cells leave too little room around them; "
-                         "raise gap or room, or give a finer background (n)")
+        raise InputError("the mesh has elements turned inside out: the cells leave too little room around "
+                         "them; raise gap or room, or give a finer background (n)")
     parts = []
     for name in made.parts:
         role = ROLES.get(name.partition("_")[0])
@@ -64,7 +64,8 @@ def _from_file(p: dict[str, Any]) -> Generated:
 
     if not p.get("mesh_file"):
         raise InputError("set mesh_file to the mesh to read (any format of meshio)")
-    made = user_mesh(p["mesh_file"], p.get("part_names", {}), p.get("part_array", ""), float(p.get("scale", 1.0)))
+    made = user_mesh(p["mesh_file"], p.get("part_names", {}), p.get("part_array", ""),
+                     float(p.get("scale", 1.0)))
     return _finished(made, {"read from": p["mesh_file"]})
 
 

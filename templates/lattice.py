@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from febkit.model.mesh import Floats, Ints
+
+Item = TypeVar("Item", bound=np.generic)
 
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 
@@ -18,10 +23,11 @@ def node_lattice(cells: tuple[int, int, int], first: int = 0) -> Ints:
 def hexahedra(ids: Ints) -> Ints:
     """Hexahedra (i, j, k, 8) between the nodes of a lattice, in FEBio's node order."""
     nx, ny, nz = (n - 1 for n in ids.shape)
-    return np.stack([ids[a:a + nx, b:b + ny, c:c + nz] for a, b, c in _CORNERS], axis=-1)
+    conn: Ints = np.stack([ids[a:a + nx, b:b + ny, c:c + nz] for a, b, c in _CORNERS], axis=-1)
+    return conn
 
 
-def in_file_order(per_cell: Ints) -> Ints:
+def in_file_order(per_cell: NDArray[Item]) -> NDArray[Item]:
     """(i, j, k, ...) flattened to rows with i running fastest."""
     return per_cell.swapaxes(0, 2).reshape(-1, *per_cell.shape[3:])
 
@@ -37,7 +43,8 @@ def skin_index(cells: tuple[int, int, int]) -> Ints:
     nx, ny, nz = cells
     k, j, i = np.meshgrid(np.arange(nz + 1), np.arange(ny + 1), np.arange(nx + 1), indexing="ij")
     at = np.stack([i.ravel(), j.ravel(), k.ravel()], axis=1)
-    return at[((at == 0) | (at == np.array(cells))).any(axis=1)]
+    outermost: Ints = at[((at == 0) | (at == np.array(cells))).any(axis=1)]
+    return outermost
 
 
 def skin_quads(cells: tuple[int, int, int]) -> tuple[Ints, Ints]:
@@ -68,6 +75,6 @@ def spaced(start: float, stop: float, n: int, ratio: float = 1.0) -> Floats:
         return np.array([start])
     steps = np.geomspace(1.0, ratio, n) if n > 1 else np.ones(1)
     at = np.concatenate([[0.0], np.cumsum(steps)])
-    x = start + (stop - start) * at / at[-1]
+    x: Floats = start + (stop - start) * at / at[-1]
     x[-1] = stop
     return x

@@ -9,6 +9,7 @@ the PCM's, both exact at every node, and along straight lines to the skin of the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,16 +19,6 @@ from .lattice import grown, hexahedra, in_file_order, node_lattice, skin_index, 
 
 # share of the cell's radius that the core takes, and how round the core's skin is (0 cube, 1 sphere)
 CORE, ROUND = 0.5, 0.52
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Block:
-    """Nodes of a block and its elements; the last ``skin`` nodes are the box's own, in skin order."""
-
-    X: Floats  # (node, 3), without the box's nodes
-    cell: Ints  # (element, 8) node numbers
-    pcm: Ints
-    ecm: Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +50,7 @@ def pattern(size: tuple[int, int, int], layers: tuple[int, int, int]) -> Pattern
     quads = ids[tuple(np.moveaxis(skin_quads(size)[0], -1, 0))]
     ranked, core = rank[quads], ids.size
     levels = [quads] + [core + layer * len(skin) + ranked for layer in range(sum(layers))]
-    shells = [grown(a, b) for a, b in zip(levels[:-1], levels[1:], strict=True)]
+    shells = [grown(a, b) for a, b in pairwise(levels)]
     first, second = layers[0], layers[0] + layers[1]
     cell = np.concatenate([in_file_order(hexahedra(ids)), *shells[:first]])
     return Pattern(np.tan(np.pi / 4.0 * s), skin, layers, cell, np.concatenate(shells[first:second]),
@@ -77,7 +68,8 @@ def core_nodes(t: Floats, share: float = CORE, rounding: float = ROUND) -> Float
     return x
 
 
-def block_nodes(p: Pattern, centre: Floats, inner: Floats, outer: Floats, box: Floats, ratio: float) -> Floats:
+def block_nodes(p: Pattern, centre: Floats, inner: Floats, outer: Floats, box: Floats,
+                ratio: float) -> Floats:
     """Coordinates (node, 3) of a block's interior nodes.
 
     ``inner`` and ``outer`` are the stretches (3, 3) of the cell's and the PCM's ellipsoids, ``box``
@@ -90,4 +82,5 @@ def block_nodes(p: Pattern, centre: Floats, inner: Floats, outer: Floats, box: F
     levels = []
     for a, b, count, r in zip(stations[:-1], stations[1:], p.layers, (1.0, 1.0, ratio), strict=True):
         levels += [(1.0 - f) * a + f * b for f in spaced(0.0, 1.0, count, r)[1:]]
-    return centre + np.concatenate([core @ inner, *levels[:-1]])
+    x: Floats = centre + np.concatenate([core @ inner, *levels[:-1]])
+    return x

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +15,11 @@ _KINDS: dict[str, tuple[type, ...]] = {
     "integer": (int,), "number": (int, float), "text": (str,), "switch": (bool,), "list": (list,),
     "numbers": (int, float, list), "table": (dict,), "text or numbers": (str, list),
 }
-_LIMITS = (("min", "at least", lambda v, b: v >= b), ("max", "at most", lambda v, b: v <= b),
-           ("above", "greater than", lambda v, b: v > b), ("below", "less than", lambda v, b: v < b))
+_Limit = tuple[str, str, Callable[[float, float], bool]]
+_LIMITS: tuple[_Limit, ...] = (
+    ("min", "at least", operator.ge), ("max", "at most", operator.le),
+    ("above", "greater than", operator.gt), ("below", "less than", operator.lt),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +41,16 @@ class Parameter:
     def checked(self, value: Any, where: Where | None = None) -> Any:
         """The value, or an InputError that says what is allowed."""
         if self.choices and value not in self.choices:
-            raise InputError(f"{self.name} must be one of {', '.join(map(str, self.choices))}, not {value}", where)
+            names = ", ".join(map(str, self.choices))
+            raise InputError(f"{self.name} must be one of {names}, not {value}", where)
         allowed = _KINDS[self.kind]
         if (isinstance(value, bool) and self.kind != "switch") or not isinstance(value, allowed):
             if self.kind == "integer" and isinstance(value, float) and value.is_integer():
                 value = int(value)
             else:
                 unit = f" ({self.unit})" if self.unit else ""
-                raise InputError(f"{self.name} must be of kind {self.kind}{unit}, not {value!r}: {self.doc}", where)
+                raise InputError(f"{self.name} must be of kind {self.kind}{unit}, not {value!r}: {self.doc}",
+                                 where)
         for number in _numbers(value):
             for key, words, holds in _LIMITS:
                 bound = (self.limits or {}).get(key)
@@ -64,14 +70,15 @@ def declared(name: str, table: Mapping[str, Any], where: Where) -> Parameter:
     """A parameter from its table in the template file."""
     unknown = set(table) - _FIELDS
     if unknown:
-        raise InputError(f"[parameters.{name}] has no field '{sorted(unknown)[0]}'; known: {', '.join(sorted(_FIELDS))}",
-                         where)
+        raise InputError(f"[parameters.{name}] has no field '{sorted(unknown)[0]}'; "
+                         f"known: {', '.join(sorted(_FIELDS))}", where)
     if "default" not in table or not table.get("doc"):
         raise InputError(f"[parameters.{name}] needs a default and a doc", where)
     default = table["default"]
     kind = table.get("kind") or _told(default)
     if kind not in _KINDS:
-        raise InputError(f"[parameters.{name}] has the unknown kind '{kind}'; known: {', '.join(_KINDS)}", where)
+        raise InputError(f"[parameters.{name}] has the unknown kind '{kind}'; known: {', '.join(_KINDS)}",
+                         where)
     limits = {k: float(table[k]) for k, _, _ in _LIMITS if k in table}
     p = Parameter(name, default, " ".join(str(table["doc"]).split()), str(table.get("unit", "")), kind,
                   tuple(table.get("choices", ())), limits)
@@ -116,6 +123,7 @@ def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str,
             if name == "size":
                 continue
             if name not in parameters:
-                raise InputError(f"'{name}' is no parameter of this template; known: {', '.join(parameters)}, size", where)
+                raise InputError(f"'{name}' is no parameter of this template; "
+                                 f"known: {', '.join(parameters)}, size", where)
             values[name] = parameters[name].checked(value, where)
     return values

@@ -10,7 +10,8 @@ import numpy as np
 from febkit.model.mesh import Floats, Ints
 
 _HEX_SIGNS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], float
+    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
+     [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
 )
 _HEX_EDGES = (
     (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
@@ -24,7 +25,7 @@ _PENTA_CORNERS = ((1, 2, 3), (2, 0, 4), (0, 1, 5), (5, 4, 0), (3, 5, 1), (4, 3, 
 
 
 def _hex_gradients(points: Floats) -> Floats:
-    """dN/dxi (point, 8, 3) of the trilinear hexahedron, N = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a)/8."""
+    """dN/dxi (point, 8, 3) of the trilinear hexahedron, N_a = prod_i (1 + xi_i xi_ai)/8."""
     one = 1.0 + points[:, None, :] * _HEX_SIGNS
     x, y, z = one[..., 0], one[..., 1], one[..., 2]
     sx, sy, sz = _HEX_SIGNS.T
@@ -35,13 +36,15 @@ def _hex_jacobians(x: Floats) -> Floats:
     """det J (element, 8) at the 2x2x2 Gauss points (each of weight 1); x is (element, 8, 3)."""
     dN = _hex_gradients(_HEX_SIGNS / np.sqrt(3.0))
     J = np.matmul(x.swapaxes(1, 2)[:, None], dN[None])  # (element, point, 3, 3)
-    return np.einsum("epi,epi->ep", J[..., 0], np.cross(J[..., 1], J[..., 2]))
+    det: Floats = np.einsum("epi,epi->ep", J[..., 0], np.cross(J[..., 1], J[..., 2]))
+    return det
 
 
 def _tet_jacobians(x: Floats) -> Floats:
     """Volume (element, 1) of the straight tetrahedron, exact for its constant Jacobian."""
     a, b, c = (x[:, i] - x[:, 0] for i in (1, 2, 3))
-    return (np.einsum("ei,ei->e", a, np.cross(b, c)) / 6.0)[:, None]
+    v: Floats = np.einsum("ei,ei->e", a, np.cross(b, c)) / 6.0
+    return v[:, None]
 
 
 def _penta_jacobians(x: Floats) -> Floats:
@@ -85,7 +88,8 @@ class Quality:
 
     def __str__(self) -> str:
         return (f"smallest Jacobian at a Gauss point {self.jacobian_min:.3f} of its element's mean; "
-                f"scaled Jacobian min {self.scaled_jacobian_min:.3f}, median {self.scaled_jacobian_median:.3f}; "
+                f"scaled Jacobian min {self.scaled_jacobian_min:.3f}, "
+                f"median {self.scaled_jacobian_median:.3f}; "
                 f"edge ratio max {self.aspect_max:.2f}, median {self.aspect_median:.2f}")
 
 
@@ -135,4 +139,5 @@ def judge(X: Floats, parts: list[tuple[str, Ints]]) -> Quality:
         edges.append(aspect(X, kind, conn))
         count += len(conn)
     s, a = np.concatenate(scaled), np.concatenate(edges)
-    return Quality(count, float(min(jac)), float(s.min()), float(np.median(s)), float(a.max()), float(np.median(a)))
+    return Quality(count, float(min(jac)), float(s.min()), float(np.median(s)), float(a.max()),
+                   float(np.median(a)))

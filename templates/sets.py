@@ -13,7 +13,8 @@ from .parts import Parts
 # name: axis, and whether it is the far side
 FACES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
 # node sets made of faces; edges belong to both
-FACE_NODES = {"x_faces": ("left", "right"), "y_faces": ("front", "back"), "bottom": ("bottom",), "top": ("top",)}
+FACE_NODES = {"x_faces": ("left", "right"), "y_faces": ("front", "back"), "bottom": ("bottom",),
+              "top": ("top",)}
 PART_LISTS = {"cells": "cell_", "pcms": "pcm_"}
 
 
@@ -30,7 +31,8 @@ def named_mesh(made: Parts) -> Mesh:
     every = np.arange(len(names))
     surfaces = _faces(made.X, select(facets, every)) | {"outer": select(facets, every)}
     surfaces |= _interfaces(names, facets)
-    node_sets = {name: _nodes([surfaces[f] for f in faces if f in surfaces]) for name, faces in FACE_NODES.items()}
+    node_sets = {name: _nodes([surfaces[f] for f in faces if f in surfaces])
+                 for name, faces in FACE_NODES.items()}
     node_sets["outer"] = _nodes([surfaces["outer"]])
     lists = {k: tuple(n for n in names if n.startswith(prefix)) for k, prefix in PART_LISTS.items()}
     return Mesh(

@@ -71,7 +71,8 @@ def _copies(child: Any, names: dict[str, Any], file: str) -> Iterator[tuple[Any,
         if not found:
             raise InputError(f'for="{loop}" must read for="name in list"', where)
         keys = [v.strip() for v in variables.split(",")]
-        rounds = [dict(zip(keys, v if len(keys) > 1 else [v], strict=True)) for v in evaluate(source, names, where)]
+        items = evaluate(source, names, where)
+        rounds = [dict(zip(keys, v if len(keys) > 1 else [v], strict=True)) for v in items]
     for more in rounds:
         local = names | more
         if condition is None or evaluate(condition, local, where):

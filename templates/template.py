@@ -48,7 +48,8 @@ def load(name: str, folder: Path | None = None) -> Template:
         if not (home / "template.toml").is_file():
             raise InputError(f"no template.toml in {folder} nor in {folder / name}")
     elif name not in BUILT_IN:
-        raise InputError(f"no template '{name}'; there are {', '.join(BUILT_IN)}, or give a folder with --template")
+        raise InputError(f"no template '{name}'; there are {', '.join(BUILT_IN)}; "
+                         "--template FOLDER uses one of your own")
     return _read(home / "template.toml", depth=0)
 
 
@@ -85,7 +86,7 @@ def _base(table: Mapping[str, Any], path: Path, depth: int) -> Template | None:
     beside = path.parent / str(name) / "template.toml"
     home = beside if beside.is_file() else HERE / str(name) / "template.toml"
     if not home.is_file():
-        raise InputError(f"base = '{name}' is neither a built-in template ({', '.join(BUILT_IN)}) nor a folder",
+        raise InputError(f"base = '{name}' is neither a folder here nor one of {', '.join(BUILT_IN)}",
                          Where(str(path)))
     return _read(home, depth + 1)
 
@@ -100,8 +101,8 @@ def _merged(base: Mapping[str, Parameter], tables: Mapping[str, Any], where: Whe
             table = {"default": table}
         old = base.get(name)
         if old is not None:
-            full: dict[str, Any] = {"default": old.default, "doc": old.doc, "unit": old.unit, "kind": old.kind,
-                                    "choices": list(old.choices)} | dict(old.limits or {})
+            full: dict[str, Any] = {"default": old.default, "doc": old.doc, "unit": old.unit,
+                                    "kind": old.kind, "choices": list(old.choices)} | dict(old.limits or {})
             table = full | table
         merged[name] = declared(name, table, where)
     return merged

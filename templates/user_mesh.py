@@ -22,7 +22,8 @@ from .parts import Parts
 from .quality import jacobians
 
 # meshio's name: FEBio's name, the corners whose swap turns an element outside in
-TYPES = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra": "tet4", "tetra10": "tet10", "wedge": "penta6"}
+TYPES = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra": "tet4", "tetra10": "tet10",
+         "wedge": "penta6"}
 MIRROR = {
     "hex8": (4, 5, 6, 7, 0, 1, 2, 3), "tet4": (0, 2, 1, 3), "penta6": (3, 4, 5, 0, 1, 2),
     "hex20": (4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19),
@@ -46,7 +47,7 @@ def user_mesh(path: str | Path, names: Mapping[str, str], array: str = "", scale
     blocks = [(TYPES[b.type], np.asarray(b.data, dtype=np.int64), i)
               for i, b in enumerate(m.cells) if b.type in TYPES]
     if not blocks:
-        raise InputError(f"no solid elements here: found {', '.join(sorted({b.type for b in m.cells})) or 'none'}; "
+        raise InputError(f"no solid elements here, only {', '.join(sorted({b.type for b in m.cells}))}; "
                          f"read are {', '.join(TYPES)}", where)
     tags = _tags(m, blocks, array, where)
     groups: dict[tuple[int, str], list[Ints]] = {}
@@ -61,13 +62,13 @@ def _tags(m: Any, blocks: list[tuple[str, Ints, int]], array: str, where: Where)
     """The part number of each element, block by block."""
     data = m.cell_data
     if array and array not in data:
-        raise InputError(f"no element array '{array}' in this mesh; it has {', '.join(data) or 'none'}", where)
+        raise InputError(f"no element array '{array}' here; there are {', '.join(data) or 'none'}", where)
     found = array or next((a for a in USUAL if a in data), "")
     if not found:
         whole = [a for a, v in data.items() if all(np.issubdtype(np.asarray(v[i]).dtype, np.integer)
                                                   and np.asarray(v[i]).ndim == 1 for _, _, i in blocks)]
         if len(whole) > 1:
-            raise InputError(f"which array holds the parts? set part_array to one of {', '.join(whole)}", where)
+            raise InputError(f"which array holds the parts? Set part_array to {' or '.join(whole)}", where)
         if not whole:
             return [np.zeros(len(conn), dtype=np.int64) for _, conn, _ in blocks]
         found = whole[0]
@@ -85,13 +86,13 @@ def _upright(X: Floats, kind: str, conn: Ints, where: Where) -> Ints:
         conn[turned] = conn[turned][:, list(MIRROR[kind])]
     bad = int((jacobians(X, kind, conn).min(axis=1) <= 0).sum())
     if bad:
-        raise InputError(f"{bad} {kind} elements have a Jacobian that is not positive at an integration point; "
-                         "repair the mesh first", where)
+        raise InputError(f"{bad} {kind} elements have a Jacobian that is not positive at an integration "
+                         "point; repair the mesh first", where)
     return conn
 
 
-def _named(X: Floats, groups: dict[tuple[int, str], Ints], names: Mapping[str, str], fields: Mapping[str, Any],
-           where: Where) -> Parts:
+def _named(X: Floats, groups: dict[tuple[int, str], Ints], names: Mapping[str, str],
+           fields: Mapping[str, Any], where: Where) -> Parts:
     """Parts with names, ordered as ecm, pcm_1, ..., cell_1, ... and then all others."""
     numbers = sorted({number for number, _ in groups})
     physical = {str(int(v[0])): k for k, v in fields.items() if int(v[1]) == 3}
@@ -110,7 +111,7 @@ def _named(X: Floats, groups: dict[tuple[int, str], Ints], names: Mapping[str, s
             name = title[n] if len(kinds[n]) == 1 else f"{title[n]}_{kind}"
             before = parts.get(name)
             if before is not None and before[0] != kind:
-                raise InputError(f"part '{name}' mixes {before[0]} and {kind}: give them names of their own", where)
+                raise InputError(f"part '{name}' mixes {before[0]} and {kind}: name them apart", where)
             conn = groups[n, kind]
             parts[name] = (kind, conn if before is None else np.concatenate([before[1], conn]))
     return _without_loose_nodes(X, parts)
@@ -133,13 +134,11 @@ def _from_outside_in(nodes: int, groups: dict[tuple[int, str], Ints], numbers: l
                 outer.add(keys[a][0])
             elif keys[a][0] != keys[b][0]:
                 touch[keys[a][0]].add(keys[b][0])
-    title = {n: "ecm" for n in outer}
+    title = dict.fromkeys(outer, "ecm")
     next_to_ecm = [n for n in numbers if n not in outer and touch[n] & outer]
     inner = [n for n in numbers if n not in outer and n not in next_to_ecm]
-    count = 0
-    for n in next_to_ecm:
+    for count, n in enumerate(next_to_ecm, start=1):
         enclosed = [c for c in inner if n in touch[c]]
-        count += 1
         title[n] = f"pcm_{count}" if enclosed else f"cell_{count}"
         for extra, c in enumerate(enclosed):
             title[c] = f"cell_{count}" if len(enclosed) == 1 else f"cell_{count}_{extra + 1}"
