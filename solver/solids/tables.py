@@ -26,6 +26,8 @@ TABLES: dict[str, dict[str, str]] = {
         "fiber-pow-linear-uncoupled": "fiber_pow_linear:FiberPowLinearUncoupled",
         "fiber-exp-linear": "fiber_exp_linear:FiberExpLinear",
         "uncoupled fiber-exp-linear": "fiber_exp_linear:FiberExpLinearUncoupled",
+        "continuous fiber distribution": "continuous_fibers:ContinuousFibers",
+        "continuous fiber distribution uncoupled": "continuous_fibers:ContinuousFibersUncoupled",
     },
     "fiber": {
         "fiber-exp-pow": "fiber_exp_pow:FiberExpPow",
@@ -34,6 +36,23 @@ TABLES: dict[str, dict[str, str]] = {
         "fiber-pow-linear-uncoupled": "fiber_pow_linear:FiberPowLinearUncoupled",
         "fiber-exp-linear": "fiber_exp_linear:FiberExpLinear",
         "uncoupled fiber-exp-linear": "fiber_exp_linear:FiberExpLinearUncoupled",
+    },
+    "distribution": {
+        "spherical": "distributions:Spherical",
+        "circular": "distributions:Circular",
+        "ellipsoidal": "distributions:Ellipsoidal",
+        "elliptical": "distributions:Elliptical",
+        "von-Mises-3d": "distributions:VonMises",
+        "von-Mises-2d": "distributions:VonMisesPlane",
+        "von-Mises-3d-two-axisym": "distributions:TwoVonMises",
+        "structure-tensor": "distributions:StructureTensor",
+    },
+    "scheme": {
+        "fibers-3d-fei": "schemes:Triangles",
+        "fibers-3d-geodesic": "schemes:Geodesic",
+        "fibers-2d-trapezoidal": "schemes:Trapezoidal",
+        "fibers-3d-gauss": "schemes:Gauss",
+        "fibers-3d-gkt": "schemes:Kronrod",
     },
     "active": {
         "active_contraction": "active_contraction:ActiveContraction",

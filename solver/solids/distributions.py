@@ -1,0 +1,121 @@
+"""Angular densities of fiber directions; not normalised, since the sum over directions is divided out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..points import Points
+from ..values import as_value
+from .base import Floats, Number
+from .registry import register
+
+
+@dataclass(eq=False)
+class Distribution:
+    """Density R(N) of unit vectors ``N`` (1|n, m, 3) in local axes, as (1|n, m)."""
+
+    parameters = ()
+    options = ()
+    properties = {}
+
+    def value(self, name: str, pts: Points) -> Floats:
+        """A parameter as (1|n, 1)."""
+        return as_value(getattr(self, name))(pts.t, pts.X, pts.e)[:, None]
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
+class Spherical(Distribution):
+    """R = 1: all directions alike."""
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        return np.ones(N.shape[:2])
+
+
+@dataclass(eq=False)
+class Circular(Spherical):
+    """R = 1 in the plane."""
+
+
+@dataclass(eq=False)
+class Ellipsoidal(Distribution):
+    """R = (sum N_i^2 / spa_i^2)^-1/2."""
+
+    spa: Any = field(default=(1.0, 1.0, 1.0))  # three values
+    parameters = ("spa",)
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        a = [as_value(x)(pts.t, pts.X, pts.e)[:, None] for x in self.spa]
+        return sum((N[..., k] / a[k]) ** 2 for k in range(3)) ** -0.5  # type: ignore[operator, return-value]
+
+
+@dataclass(eq=False)
+class Elliptical(Distribution):
+    """R = (N_1^2 / spa1^2 + N_2^2 / spa2^2)^-1/2."""
+
+    spa1: Number = 1.0
+    spa2: Number = 1.0
+    parameters = ("spa1", "spa2")
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        a, b = self.value("spa1", pts), self.value("spa2", pts)
+        return ((N[..., 0] / a) ** 2 + (N[..., 1] / b) ** 2) ** -0.5
+
+
+@dataclass(eq=False)
+class VonMises(Distribution):
+    """R = exp[b (2 N_1^2 - 1)]: gathered about the first axis."""
+
+    b: Number = 0.0
+    parameters = ("b",)
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        return np.exp(self.value("b", pts) * (2.0 * N[..., 0] ** 2 - 1.0))
+
+
+@dataclass(eq=False)
+class VonMisesPlane(VonMises):
+    """The density of :class:`VonMises` in the plane."""
+
+
+@dataclass(eq=False)
+class TwoVonMises(Distribution):
+    """Two cones at angles +-gamma from the first axis."""
+
+    b: Number = 0.0
+    cosg: Number = 1.0
+    parameters = ("b", "cosg")
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        b, c = self.value("b", pts), self.value("cosg", pts)
+        x = N[..., 0]
+        sines = np.sqrt(np.maximum(1.0 - x * x, 0.0)) * np.sqrt(1.0 - c * c)
+        return np.exp(b * (2 * (x * c - sines) ** 2 - 1)) + np.exp(b * (2 * (x * c + sines) ** 2 - 1))
+
+
+@dataclass(eq=False)
+class StructureTensor(Distribution):
+    """R = N . spd N, spd symmetric in Voigt order."""
+
+    spd: Any = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
+    parameters = ("spd",)
+
+    def __call__(self, pts: Points, N: Floats) -> Floats:
+        xx, yy, zz, xy, yz, xz = np.asarray(self.spd, dtype=float)
+        M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return np.einsum("...i,ij,...j->...", N, M, N)
+
+
+register(Spherical, "spherical", "distribution")
+register(Circular, "circular", "distribution")
+register(Ellipsoidal, "ellipsoidal", "distribution")
+register(Elliptical, "elliptical", "distribution")
+register(VonMises, "von-Mises-3d", "distribution")
+register(VonMisesPlane, "von-Mises-2d", "distribution")
+register(TwoVonMises, "von-Mises-3d-two-axisym", "distribution")
+register(StructureTensor, "structure-tensor", "distribution")
