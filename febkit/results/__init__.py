@@ -1,0 +1,62 @@
+"""Results: plotfiles, logs and data files as xarray datasets and tables. Imports nothing heavy by itself."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["copy", "open", "open_all", "write"]
+
+Path = str | os.PathLike[str]
+
+
+def open(path: Path, *, chunks: Any = None, mesh: int | None = None, apart: bool = False) -> xr.Dataset:
+    """Results as a dataset; variables are read when touched.
+
+    ``path`` is a plotfile (.xplt), an LS-DYNA database of FEBio 1 (.plt) or a NetCDF file (.nc) that such a
+    dataset was saved to. ``chunks`` as in ``xarray.open_dataset``: "auto", {} or a mapping gives dask arrays.
+    ``mesh`` picks a mesh where the file has several. ``apart`` keeps nodal values of domains apart
+    (dimension ``domain_node``) instead of merging them by node, where the last domain of a shared node wins.
+    """
+    if os.fspath(path).lower().endswith((".nc", ".nc4", ".h5")):
+        from .netcdf import open_netcdf
+
+        return open_netcdf(path, chunks)
+    if chunks is None:
+        from .backend import open_plot
+
+        return open_plot(path, mesh=mesh, apart=apart)
+    import xarray as xr
+
+    from .backend import PlotfileBackend
+
+    return xr.open_dataset(path, engine=PlotfileBackend, chunks=chunks, mesh=mesh, apart=apart)
+
+
+def open_all(path: Path, *, apart: bool = False) -> list[xr.Dataset]:
+    """One dataset per mesh of a plotfile, in order of time."""
+    from .backend import open_all as every
+
+    return every(path, apart=apart)
+
+
+def write(ds: xr.Dataset, path: Path, **options: Any) -> None:
+    """Write a dataset as a plotfile (.xplt) or NetCDF (.nc), by the path's ending."""
+    if os.fspath(path).lower().endswith((".nc", ".nc4", ".h5")):
+        from .netcdf import write_netcdf
+
+        write_netcdf(ds, path, **options)
+    else:
+        from .rewrite import write as plot
+
+        plot(ds, path, **options)
+
+
+def copy(source: Path, target: Path, **options: Any) -> None:
+    """Rewrite a plotfile value for value; ``version=`` and ``compress=`` may differ."""
+    from .rewrite import copy as whole
+
+    whole(source, target, **options)

@@ -1,0 +1,81 @@
+"""``xr.open_dataset("run.xplt")`` and ``febkit.results.open``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from xarray.backends import BackendEntrypoint
+
+from febkit.model import InputError, Where
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .xplt.reader import PlotFile
+
+
+class PlotfileBackend(BackendEntrypoint):
+    """FEBio plotfiles (.xplt), and LS-DYNA databases (.plt) that FEBio 1 wrote."""
+
+    description = "Open FEBio plotfiles (.xplt, .plt)"
+    url = "https://febio.org"
+    open_dataset_parameters = ("filename_or_obj", "drop_variables", "mesh", "apart")
+
+    def guess_can_open(self, filename_or_obj: Any) -> bool:
+        try:
+            return str(os.fspath(filename_or_obj)).lower().endswith((".xplt", ".plt"))
+        except TypeError:
+            return False
+
+    def open_dataset(  # type: ignore[override]
+        self,
+        filename_or_obj: str | os.PathLike[str],
+        *,
+        drop_variables: str | Iterable[str] | None = None,
+        mesh: int | None = None,
+        apart: bool = False,
+    ) -> xr.Dataset:
+        ds = open_plot(filename_or_obj, mesh=mesh, apart=apart)
+        if drop_variables is None:
+            return ds
+        names = [drop_variables] if isinstance(drop_variables, str) else list(drop_variables)
+        return ds.drop_vars(names, errors="ignore")
+
+
+def open_plot(path: str | os.PathLike[str], *, mesh: int | None = None, apart: bool = False) -> xr.Dataset:
+    """The dataset of a plotfile; of one of its meshes where the mesh changes."""
+    if str(path).lower().endswith(".plt"):
+        from .plt import open_plt
+
+        return open_plt(path)
+    from . import dataset
+    from .xplt.reader import PlotFile
+
+    f = PlotFile(path)
+    if mesh is None:
+        if len(used_meshes(f)) > 1:
+            raise InputError(
+                f"the mesh changes {len(used_meshes(f)) - 1} times: give mesh=0 to {f.n_meshes - 1}, or use"
+                " febkit.results.open_all for one dataset per mesh",
+                Where(str(path)),
+            )
+        mesh = (used_meshes(f) or [0])[0]
+    return dataset.build(f, mesh, apart)
+
+
+def used_meshes(f: PlotFile) -> list[int]:
+    """Meshes that states live on, in order."""
+    return list(dict.fromkeys(max(s.mesh, 0) for s in f.states))
+
+
+def open_all(path: str | os.PathLike[str], *, apart: bool = False) -> list[xr.Dataset]:
+    """One dataset per mesh, in order of time."""
+    if str(path).lower().endswith(".plt"):
+        return [open_plot(path)]
+    from . import dataset
+    from .xplt.reader import PlotFile
+
+    f = PlotFile(path)
+    return [dataset.build(f, i, apart) for i in used_meshes(f) or [0]]

@@ -1,0 +1,302 @@
+"""A plotfile as an xarray.Dataset whose variables are decoded when touched.
+
+Dimensions: ``time``, ``node``, ``element``, ``local`` (nodes of an element), components ``xyz``, ``voigt``
+(xx yy zz xy yz xz), ``tensor`` (row-major), ``principal``, ``voigt4``; ``domain`` for one value per domain;
+``facet``, ``facet_local``, ``surface``, ``surface_node`` for surfaces; ``edge_*`` for edges.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from . import units
+from .fields import Field, Places, components
+from .xplt.reader import PlotFile
+from .xplt.records import PlotMesh, PlotSurface, PlotVariable
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+
+COMPONENTS = {"xyz", "voigt", "tensor", "principal", "voigt4"}
+_LOCK = threading.Lock()
+
+
+class FrameArray(BackendArray):
+    """(time, *frame) decoded on indexing; only the states asked for are read."""
+
+    def __init__(self, frames: Field | ElementStates, n: int) -> None:
+        self.frames = frames
+        self.shape = (n, *frames.shape)
+        self.dtype = np.dtype(frames.dtype if isinstance(frames, ElementStates) else np.float32)
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._get)
+
+    def _get(self, key: tuple[Any, ...]) -> np.ndarray:
+        when, inner = key[0], key[1:]
+        whole = all(isinstance(k, slice) and k == slice(None) for k in inner)
+        if isinstance(when, (int, np.integer)):
+            frame = self.frames.frame(int(when))
+            return np.array(frame if whole else frame[_outer(inner, frame.shape)], self.dtype)
+        times = np.arange(self.shape[0])[when]
+        if whole:
+            out = np.empty((len(times), *self.shape[1:]), self.dtype)
+            for row, t in zip(out, times):
+                self.frames.fill(int(t), row[...])
+            return out
+        parts = [self.frames.frame(int(t)) for t in times[:1]]
+        pick = _outer(inner, self.shape[1:])
+        first = [p[pick] for p in parts]
+        if not first:
+            return np.empty((0, *np.empty(self.shape[1:], np.bool_)[pick].shape), self.dtype)
+        out = np.empty((len(times), *first[0].shape), self.dtype)
+        out[0] = first[0]
+        for row, t in zip(out[1:], times[1:]):
+            row[...] = self.frames.frame(int(t))[pick]
+        return out
+
+
+def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:
+    """Orthogonal indexing as numpy does it; integers drop their axis."""
+    arrays = [k for k in key if isinstance(k, np.ndarray)]
+    if len(arrays) < 2 and not (arrays and any(isinstance(k, (int, np.integer)) for k in key)):
+        return key
+    full = [np.arange(n)[k] if isinstance(k, slice) else np.atleast_1d(k) for k, n in zip(key, shape)]
+    grid = list(np.ix_(*full))
+    drop = tuple(i for i, k in enumerate(key) if isinstance(k, (int, np.integer)))
+    return tuple(np.squeeze(np.broadcast_arrays(*grid)[i], axis=drop) for i in range(len(grid)))
+
+
+class ElementStates:
+    """Flags of the elements, 1 where an element is active, as frames."""
+
+    dtype = np.uint32
+
+    def __init__(self, f: PlotFile, states: np.ndarray, n: int) -> None:
+        self.file, self.states, self.shape = f, states, (n,)
+
+    def frame(self, t: int) -> np.ndarray:
+        flags = self.file.element_state(int(self.states[t]))
+        return np.ones(self.shape, np.uint32) if flags is None or len(flags) != self.shape[0] else flags
+
+    def fill(self, t: int, out: np.ndarray) -> None:
+        out[...] = self.frame(t)
+
+
+def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
+    """The dataset of one mesh of a plotfile and the states that live on it."""
+    states = np.array([i for i, s in enumerate(f.states) if max(s.mesh, 0) == mesh], dtype=int)
+    m = f.mesh(mesh)
+    places = Places(m)
+    coords, attrs = _coords(f, m, states)
+    coords |= _sets(m)
+    data: dict[Hashable, xr.Variable] = {}
+    for i, v in enumerate(f.variables):
+        if v.section == "material":  # of versions below 8; FEBio never wrote data there
+            continue
+        field = Field(f, states, i, v, places, apart)
+        name = _free(variable_name(v.name), v.section, {*data, *coords})
+        dims, extra = _dims(v, name, apart)
+        lazy = indexing.LazilyIndexedArray(FrameArray(field, len(states)))
+        data[name] = xr.Variable(("time", *dims), lazy, _attrs(f, v, i, field))
+        coords |= {k: c for k, c in extra.items() if k not in coords}
+    coords |= _shared(f, places, apart)
+    _states(f, states, m, data)
+    ds = xr.Dataset(data, coords, attrs)
+    ds.encoding["source"] = str(f.container.path)
+    ds.set_close(f.close)
+    return ds
+
+
+def variable_name(name: str) -> str:
+    """FEBio's name, or its alias after "=", as a Python and NetCDF name."""
+    return re.sub(r"\W+", "_", name.split("=")[-1].strip()).strip("_") or "unnamed"
+
+
+def _free(name: str, section: str, taken: set[Any]) -> str:
+    if name not in taken:
+        return name
+    tries = (f"{name}_{section}", *(f"{name}_{section}_{i}" for i in range(2, len(taken) + 3)))
+    return next(t for t in tries if t not in taken)
+
+
+def _attrs(f: PlotFile, v: PlotVariable, index: int, field: Field) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        "febio_name": v.name, "febio_section": v.section, "febio_type": v.type, "febio_format": v.format,
+        "febio_index": index,
+    }
+    if v.n:
+        out["febio_array_size"] = v.n
+    if v.array_names:
+        out["febio_array_names"] = list(v.array_names)
+    symbol = v.units or units.symbol(v.name)
+    if v.units:
+        out["febio_units"] = v.units
+    if symbol and f.header.units:
+        out["units"] = units.resolve(symbol, f.header.units)
+    with_data = field.regions_with_data() if len(field.states) else []
+    if v.section not in ("node", "global") and with_data:
+        out["febio_regions"] = with_data
+    return out
+
+
+def _dims(v: PlotVariable, name: str, apart: bool) -> tuple[tuple[str, ...], dict[str, xr.Variable]]:
+    """Dimensions after time, and coordinates that these bring."""
+    lead = _LEADS[v.section, v.format]
+    if apart and (v.section, v.format) == ("domain", "node"):
+        lead = ("domain_node",)
+    dim, labels = components(v)
+    if dim:
+        return (*lead, dim), {dim: xr.Variable((dim,), list(labels))}
+    if v.type == "array vec3f" or (v.type == "array" and v.n > 1):
+        own = f"{name}_item"
+        extra = {}
+        if len(v.array_names) == v.n:
+            extra[own] = xr.Variable((own,), list(v.array_names))
+        if v.type == "array vec3f":
+            extra["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"])
+            return (*lead, own, "xyz"), extra
+        return (*lead, own), extra
+    return lead, {}
+
+
+_LEADS: dict[tuple[str, str], tuple[str, ...]] = {
+    **{("node", k): ("node",) for k in ("node", "item", "mult", "region")},
+    **{("global", k): () for k in ("node", "item", "mult", "region")},
+    ("domain", "node"): ("node",), ("domain", "item"): ("element",),
+    ("domain", "mult"): ("element", "local"), ("domain", "region"): ("domain",),
+    ("surface", "node"): ("surface_node",), ("surface", "item"): ("facet",),
+    ("surface", "mult"): ("facet", "facet_local"), ("surface", "region"): ("surface",),
+    ("edge", "node"): ("edge_node",), ("edge", "item"): ("edge_line",),
+    ("edge", "mult"): ("edge_line", "edge_local"), ("edge", "region"): ("edge",),
+}
+
+
+def short_times(times: np.ndarray) -> np.ndarray:
+    """float64 times with the fewest digits that give the file's float32: 0.1, not 0.10000000149."""
+    return np.array([float(str(t)) for t in times.astype(np.float32)], np.float64)
+
+
+def _coords(f: PlotFile, m: PlotMesh, states: np.ndarray) -> tuple[dict[Hashable, Any], dict[str, Any]]:
+    names = part_names(m)
+    types = list(dict.fromkeys(d.type for d in m.domains))
+    sizes = [len(d.element_ids) for d in m.domains]
+    width = max((d.conn.shape[1] for d in m.domains), default=0)
+    conn = np.full((sum(sizes), width), -1, np.int32)
+    at = 0
+    for d in m.domains:
+        conn[at : at + len(d.conn), : d.conn.shape[1]] = d.conn
+        at += len(d.conn)
+    ids = [d.element_ids for d in m.domains]
+    coords: dict[Hashable, Any] = {
+        "time": xr.Variable(("time",), short_times(f.times[states])),
+        "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
+        "node_id": xr.Variable(("node",), m.node_ids),
+        "X": xr.Variable(("node", "xyz"), m.X, {"long_name": "reference coordinates"}),
+        "element_id": xr.Variable(("element",), np.concatenate(ids) if ids else np.empty(0, np.int32)),
+        "part": xr.Variable(("element",), np.repeat(np.arange(len(names), dtype=np.int32), sizes)),
+        "element_type": xr.Variable(
+            ("element",), np.repeat(np.array([types.index(d.type) for d in m.domains], np.int32), sizes)
+        ),
+        "connectivity": xr.Variable(("element", "local"), conn),
+    }
+    if f.header.units:
+        length = units.resolve("L", f.header.units)
+        coords["X"].attrs["units"] = length
+        coords["time"].attrs["units"] = units.resolve("t", f.header.units)
+    attrs: dict[str, Any] = {"febio_version": f.version, "febio_compression": f.header.compression}
+    for key, value in (
+        ("parts", names), ("element_types", types), ("part_materials", [d.part_id for d in m.domains]),
+        ("part_sizes", sizes), ("part_named", [int(d.name is not None) for d in m.domains]),
+        ("materials", [n for _, n in m.parts]), ("material_ids", [i for i, _ in m.parts]),
+        ("software", f.header.software), ("author", f.header.author), ("unit_system", f.header.units),
+    ):
+        if value:
+            attrs[key] = value
+    return coords, attrs
+
+
+def part_names(m: PlotMesh) -> list[str]:
+    """One name per domain: its own, its material's, or a number; made unique."""
+    materials = dict(m.parts)
+    out: list[str] = []
+    for i, d in enumerate(m.domains):
+        name = d.name or materials.get(d.part_id) or f"part{i + 1}"
+        if name in out:
+            name = next(f"{name}_{k}" for k in range(2, len(out) + 3) if f"{name}_{k}" not in out)
+        out.append(name)
+    return out
+
+
+def _sets(m: PlotMesh) -> dict[Hashable, Any]:
+    """Sets, one after the other in one array each; names and sizes in its attributes."""
+    out: dict[Hashable, Any] = {}
+    for key, sets in (("node_set", m.node_sets), ("element_set", m.element_sets)):
+        if sets:
+            members = [np.asarray(v, np.int32) for v in sets.values()]
+            attrs = {"names": list(sets), "sizes": [len(a) for a in members]}
+            out[f"{key}_members"] = xr.Variable((f"{key}_entry",), np.concatenate(members), attrs)
+    lists: tuple[tuple[str, Sequence[PlotSurface], tuple[str, str]], ...] = (
+        ("facets", m.surfaces, ("facet", "facet_local")),
+        ("facet_set_facets", m.facet_sets or (), ("facet_set_facet", "facet_set_local")),
+        ("edge_lines", m.edges, ("edge_line", "edge_local")),
+    )
+    for key, surfaces, dims in lists:
+        if surfaces:
+            out[key] = _facet_array(surfaces, dims)
+    if m.facet_sets is not None and not m.facet_sets and m.surfaces:
+        out["facets"].attrs["no_facet_sets"] = 1
+    if m.objects:
+        out["objects"] = xr.Variable(("object_byte",), np.frombuffer(m.objects, np.uint8))
+    return out
+
+
+def _facet_array(surfaces: Sequence[PlotSurface], dims: tuple[str, str]) -> xr.Variable:
+    rows = [s.rows() for s in surfaces]
+    width = max(r.shape[1] for r in rows)
+    wide = [np.pad(r, ((0, 0), (0, width - r.shape[1])), constant_values=-1) for r in rows]
+    attrs = {
+        "names": [s.name for s in surfaces],
+        "sizes": [len(r) for r in rows],
+        "widths": [r.shape[1] for r in rows],
+    }
+    return xr.Variable(dims, np.concatenate(wide).astype(np.int32), attrs)
+
+
+def _shared(f: PlotFile, p: Places, apart: bool) -> dict[Hashable, Any]:
+    """Node indices behind the dimensions that list a region's nodes, where a variable uses them."""
+    out: dict[Hashable, Any] = {}
+    kinds = {(v.section, v.format) for v in f.variables}
+    for section, used in (("domain", apart), ("surface", True), ("edge", True)):
+        if used and (section, "node") in kinds:
+            nodes = [p.nodes(section, i) for i in range(len(p.of(section)))]
+            flat = np.concatenate(nodes).astype(np.int32) if nodes else np.empty(0, np.int32)
+            out[f"{section}_node_index"] = xr.Variable((f"{section}_node",), flat)
+    return out
+
+
+def _states(f: PlotFile, states: np.ndarray, m: PlotMesh, data: dict[Hashable, xr.Variable]) -> None:
+    """Status of each state and flags of the elements, where the file has them."""
+    if not len(states):
+        return
+    layout = f.layout(int(states[0]))
+    if layout.status >= 0:
+        status = np.array([f.status(int(i)) for i in states], np.int32)
+        data["state_status"] = xr.Variable(("time",), status, {"long_name": "0 converged, 1 new mesh, 2 not"})
+    if layout.flags is not None:
+        lazy = indexing.LazilyIndexedArray(
+            FrameArray(ElementStates(f, states, m.n_elements), len(states))
+        )
+        data["element_state"] = xr.Variable(("time", "element"), lazy, {"long_name": "1 where active"})
+    if layout.objects is not None:
+        raw = [np.frombuffer(f.objects(int(i)), np.uint8) for i in states]
+        if len({len(r) for r in raw}) == 1:
+            data["object_state"] = xr.Variable(("time", "object_state_byte"), np.stack(raw))

@@ -1,0 +1,201 @@
+"""Turns the regions of one plot variable into one array per state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from febkit.model import InputError
+
+from .xplt.reader import PlotFile
+from .xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
+
+Place = slice | np.ndarray
+
+
+class Places:
+    """Where each region's items belong in arrays over the whole mesh."""
+
+    def __init__(self, mesh: PlotMesh) -> None:
+        self.mesh = mesh
+        self.elements = _spans([len(d.element_ids) for d in mesh.domains])
+        self.facets = _spans([len(s.rows()) for s in mesh.surfaces])
+        self.lines = _spans([len(s.rows()) for s in mesh.edges])
+        self._nodes: dict[tuple[str, int], np.ndarray] = {}
+
+    def of(self, section: str) -> Sequence[PlotDomain] | Sequence[PlotSurface]:
+        m = self.mesh
+        return {"domain": m.domains, "surface": m.surfaces, "edge": m.edges}[section]
+
+    def items(self, section: str) -> list[slice]:
+        return {"domain": self.elements, "surface": self.facets, "edge": self.lines}[section]
+
+    def nodes(self, section: str, index: int) -> np.ndarray:
+        """Node indices of a region in first-seen order, found once."""
+        key = (section, index)
+        if key not in self._nodes:
+            self._nodes[key] = self.of(section)[index].nodes()
+        return self._nodes[key]
+
+    def region_nodes(self, section: str) -> list[slice]:
+        """Spans of the regions' own node lists, one after the other."""
+        return _spans([len(self.nodes(section, i)) for i in range(len(self.of(section)))])
+
+    def width(self, section: str) -> int:
+        """Local nodes of the widest element or facet."""
+        if section == "domain":
+            return max((d.conn.shape[1] for d in self.mesh.domains), default=0)
+        return max((s.rows().shape[1] for s in self.of(section)), default=0)  # type: ignore[union-attr]
+
+
+def _spans(sizes: Sequence[int]) -> list[slice]:
+    ends = np.cumsum([0, *sizes])
+    return [slice(int(a), int(b)) for a, b in pairwise(ends)]
+
+
+@dataclass
+class Field:
+    """A plot variable as frames of one shape, one frame a state, NaN where the file says nothing.
+
+    ``shape`` leads with the items (nodes, elements, facets, ...; none for global values), then local
+    nodes for "mult", then components where there is more than one.
+    """
+
+    file: PlotFile
+    states: np.ndarray  # indices of the file's states
+    index: int  # of the variable in the dictionary
+    variable: PlotVariable
+    places: Places
+    apart: bool = False  # domain nodal data by (domain, node) pair instead of by node
+    shape: tuple[int, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._spans = self._region_spans()
+        v = self.variable
+        lead: tuple[int, ...] = () if v.section == "global" else (self._rows(),)
+        if v.format == "mult" and v.section not in ("node", "global"):
+            lead = (*lead, self.places.width(v.section))
+        self.shape = (*lead, *tail(v))
+
+    def _rows(self) -> int:
+        v, p = self.variable, self.places
+        if v.section == "node" or (v.section == "domain" and v.format == "node" and not self.apart):
+            return len(p.mesh.node_ids)
+        return self._spans[-1].stop if self._spans else 0
+
+    def _region_spans(self) -> list[slice]:
+        v, p = self.variable, self.places
+        if v.section in ("node", "global"):
+            return []
+        if v.format == "node":
+            return p.region_nodes(v.section) if self.apart or v.section != "domain" else []
+        if v.format == "region":
+            return _spans([1] * len(p.of(v.section)))
+        return p.items(v.section)
+
+    def place(self, region: int) -> tuple[Place, int, int]:
+        """(rows of the array, items, local nodes) of a region's values; local is 0 but for "mult"."""
+        v, p = self.variable, self.places
+        if v.section in ("node", "global"):
+            if region:
+                raise self._bad(region, "all nodes are region 0")
+            return slice(None), self._rows() if v.section == "node" else 1, 0
+        of = p.of(v.section)
+        if not 1 <= region <= len(of):
+            raise self._bad(region, f"the mesh has {len(of)}")
+        if v.format == "node" and v.section == "domain" and not self.apart:
+            nodes = p.nodes("domain", region - 1)
+            return nodes, len(nodes), 0
+        span = self._spans[region - 1]
+        r = of[region - 1]
+        local = 0
+        if v.format == "mult":
+            local = r.conn.shape[1] if isinstance(r, PlotDomain) else r.rows().shape[1]
+        return span, span.stop - span.start, local
+
+    def _bad(self, region: int, why: str) -> InputError:
+        return InputError(
+            f"{self.variable.name!r} has data of {self.variable.section} region {region}: {why}",
+            self.file.container.where,
+        )
+
+    def frame(self, t: int) -> np.ndarray:
+        """The array of one state; a view of the file where its layout allows."""
+        found = list(self.file.regions(self.index, int(self.states[t])))
+        if len(found) == 1:
+            place, rows, local = self.place(found[0][0])
+            if isinstance(place, slice) and not local and rows == (self.shape[0] if self.shape else 1):
+                values = self._sized(found[0][1], found[0][0], rows)
+                if values.size == np.prod(self.shape, dtype=int):
+                    return values.reshape(self.shape)
+        out = np.empty(self.shape, np.float32)
+        self.fill(t, out)
+        return out
+
+    def fill(self, t: int, out: np.ndarray) -> None:
+        """Write the array of one state into ``out``."""
+        found = list(self.file.regions(self.index, int(self.states[t])))
+        if not self._covers([r for r, _ in found]):
+            out.fill(np.nan)
+        inner = self.shape[1:]
+        for region, values in found:
+            place, rows, local = self.place(region)
+            if self.variable.section == "global":
+                out[...] = self._sized(values, region, 1).reshape(self.shape)
+            elif local:
+                block = self._mult(values, region, rows, local)
+                out[place, : block.shape[1]] = block.reshape(rows, block.shape[1], *inner[1:])
+            else:
+                out[place] = self._sized(values, region, rows).reshape(rows, *inner)
+
+    def _covers(self, regions: list[int]) -> bool:
+        """Whether these regions fill the whole array."""
+        v = self.variable
+        if v.section in ("node", "global"):
+            return bool(regions)
+        if (v.format == "node" and v.section == "domain" and not self.apart) or v.format == "mult":
+            return False
+        return len(set(regions)) == len(self.places.of(v.section))
+
+    def _sized(self, values: np.ndarray, region: int, rows: int) -> np.ndarray:
+        want = rows * self.variable.values
+        if values.size != want:
+            raise self._bad(region, f"{values.size} values where {want} belong")
+        return values
+
+    def _mult(self, values: np.ndarray, region: int, rows: int, local: int) -> np.ndarray:
+        """(item, local, component); surfaces may be padded beyond their widest facet."""
+        nc = self.variable.values
+        if rows == 0 or values.size % (rows * nc):
+            raise self._bad(region, f"{values.size} values for {rows} items")
+        have = values.size // (rows * nc)
+        if have < local or (have > local and self.variable.section == "domain"):
+            raise self._bad(region, f"{have} values an item where {local} belong")
+        return values.reshape(rows, have, nc)[:, :local]
+
+    def regions_with_data(self, t: int = 0) -> list[int]:
+        return [r for r, _ in self.file.regions(self.index, int(self.states[t]))]
+
+
+def tail(v: PlotVariable) -> tuple[int, ...]:
+    """Shape of one value."""
+    if v.type == "array vec3f":
+        return (v.n, 3)
+    return (v.values,) if v.values > 1 else ()
+
+
+def components(v: PlotVariable) -> tuple[str | None, tuple[str, ...]]:
+    """Name of the component dimension and its labels; (None, ()) for scalars and arrays."""
+    return _COMPONENTS.get(v.type, (None, ()))
+
+
+_COMPONENTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "vec3f": ("xyz", ("x", "y", "z")),
+    "mat3fs": ("voigt", ("xx", "yy", "zz", "xy", "yz", "xz")),
+    "mat3fd": ("principal", ("1", "2", "3")),
+    "mat3f": ("tensor", ("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz")),
+    "tens4fs": ("voigt4", tuple(f"{i}{j}" for j in range(1, 7) for i in range(1, j + 1))),
+}

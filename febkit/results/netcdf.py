@@ -1,0 +1,40 @@
+"""Datasets of results to NetCDF and back, without loss."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+_LISTS = ("parts", "element_types", "materials", "names", "febio_array_names")
+_NUMBERS = ("part_materials", "part_sizes", "part_named", "material_ids", "sizes", "widths", "febio_regions")
+
+
+def write_netcdf(ds: xr.Dataset, path: str | os.PathLike[str], compress: int = 0) -> None:
+    """Write state by state where the data are lazy; ``compress`` 1-9 packs floats."""
+    out = ds
+    encoding: dict[Any, dict[str, Any]] = {}
+    for name, v in out.variables.items():
+        if v.dtype.kind == "f":
+            # float data keep their NaN and get no fill value of another kind
+            encoding[name] = {"_FillValue": None}
+            if compress:
+                encoding[name] |= {"zlib": True, "complevel": compress}
+    out.to_netcdf(path, engine="netcdf4", encoding=encoding)
+
+
+def open_netcdf(path: str | os.PathLike[str], chunks: Any = None) -> xr.Dataset:
+    """Read back, with lists of names and numbers as lists again."""
+    ds = xr.open_dataset(path, engine="netcdf4", chunks=chunks)
+    for attrs in (ds.attrs, *(v.attrs for v in ds.variables.values())):
+        for key in _LISTS:
+            if isinstance(attrs.get(key), str):
+                attrs[key] = [attrs[key]]
+        for key in _NUMBERS:
+            if key in attrs:
+                attrs[key] = [int(x) for x in np.atleast_1d(attrs[key])]
+    for v in ds.variables.values():
+        v.encoding.clear()
+    return ds
