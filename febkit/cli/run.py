@@ -1,0 +1,76 @@
+"""``febkit run``: solve a model."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+
+@click.command("run", short_help="Solve a .feb model.")
+@click.argument("model", required=False, type=click.Path(dir_okay=False))
+@click.option("-i", "input_", type=click.Path(dir_okay=False), help="The model (FEBio's spelling).")
+@click.option("-o", "log", type=click.Path(dir_okay=False), help="Log file (default: beside the model).")
+@click.option("-p", "plot", type=click.Path(dir_okay=False), help="Plotfile (default: beside the model).")
+@click.option("-silent", "--silent", is_flag=True, help="Print nothing but errors.")
+@click.option("-t", "--threads", default=0, show_default="all processors", help="Threads to use.")
+@click.option("--linear", default="auto", show_default=True, type=click.Choice(["auto", "pardiso", "superlu", "dense"]),
+              help="Linear solver.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
+def command(
+    model: str | None, input_: str | None, log: str | None, plot: str | None, silent: bool, threads: int,
+    linear: str, verbose: bool,
+) -> None:
+    """Solve MODEL and write its plotfile (.xplt) and log beside it.
+
+    Exit code 0: solved; 1: did not converge (states written so far stay readable); 2: bad input, or a
+    feature that febkit does not solve.
+    """
+    path = Path(model or input_ or "")
+    if not (model or input_):
+        raise click.UsageError("which model? febkit run MODEL.feb")
+    from febkit.feb import read
+    from febkit.model.source import InputError
+
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file")
+    m = read(path)
+    plot_path, log_path = Path(plot or path.with_suffix(".xplt")), Path(log or path.with_suffix(".log"))
+    for p in (plot_path, log_path):
+        if not p.parent.is_dir():
+            raise InputError(f"{p}: the folder {p.parent} does not exist")
+    from febkit.solving import solve
+
+    said: list[str] = []
+    result = solve(m, plot_path, log_path, threads, linear, progress=not silent, warn=said.append)
+    if not silent:
+        _report(result, plot_path, log_path, said, verbose)
+    if not result.converged:
+        print(f"febkit: {path}: {result.reason}", file=sys.stderr)
+        sys.exit(130 if result.interrupted else 1)
+
+
+def _report(result: object, plot: Path, log: Path, said: list[str], verbose: bool) -> None:
+    import numpy as np
+    from rich.console import Console
+
+    from febkit.solver.result import Result
+
+    assert isinstance(result, Result)
+    out, t, s = Console(highlight=False), result.totals, result.state
+    for w in said:
+        out.print(f"[yellow]warning[/] {w}")
+    size = plot.stat().st_size / 1e6 if plot.exists() else 0.0
+    word = "solved" if result.converged else "stopped"
+    out.print(
+        f"[bold]{word}[/] to t = {s.time:g} in {t.seconds['total']:.2f} s: {t.steps} steps, {t.iterations} iterations, "
+        f"{t.reforms} factorisations ({t.linear_solver}), {t.retries} retries"
+    )
+    out.print(f"  largest displacement {np.linalg.norm(s.u, axis=1).max():.6g}")
+    if s.p is not None:
+        out.print(f"  fluid pressure {s.p.min():.6g} to {s.p.max():.6g}")
+    out.print(f"wrote [bold]{plot}[/] ({len(result.times)} states, {size:.1f} MB) and [bold]{log}[/]")
+    if verbose:
+        for name, seconds in t.seconds.items():
+            out.print(f"  {name}: {seconds:.2f} s")

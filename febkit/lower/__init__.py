@@ -1,0 +1,86 @@
+"""The seam: a :class:`febkit.model.Model` becomes a :class:`febkit.solver.problem.Problem`.
+
+What the solver lacks is refused here, by name and place, before anything is solved.
+"""
+
+from __future__ import annotations
+
+from febkit.model import InputError, Model, UnsupportedError
+from febkit.model import Step as ModelStep
+from febkit.solver.problem import Problem, Step
+
+from . import conditions, control, loads, materials
+from .context import Context
+
+
+def lower(model: Model) -> Problem:
+    """The problem that ``model`` poses.
+
+    Raises UnsupportedError, naming every feature febkit does not solve, and InputError for bad input.
+    """
+    problem, refused = _lower(model)
+    if refused:
+        more = [f"  {r}" for r in refused[1:12]]
+        if len(refused) > 12:
+            more.append(f"  and {len(refused) - 12} more")
+        text = "\n".join([refused[0].message, *(["also:", *more] if more else [])])
+        raise UnsupportedError(text, refused[0].where)
+    assert problem is not None
+    return problem
+
+
+def unsupported(model: Model) -> list[UnsupportedError]:
+    """The features of a model that febkit does not solve, each with its place; empty where it can."""
+    try:
+        return _lower(model)[1]
+    except UnsupportedError as e:
+        return [e]
+
+
+def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
+    ctx = Context(model)
+    _whole_sections(ctx)
+    if model.module not in ("solid", "biphasic"):
+        return None, ctx.refused
+    blocks = materials.blocks(ctx)
+    common = Step()
+    _fill(ctx, common, model.common)
+    steps = [_step(ctx, s) for s in model.steps]
+    if not steps:
+        raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
+    if not blocks and not ctx.refused:
+        raise InputError("the model has no solid domain", None)
+    if ctx.refused:
+        return None, ctx.refused
+    return Problem(model.mesh.X, blocks, steps, common, model.mesh.node_ids), []
+
+
+def _whole_sections(ctx: Context) -> None:
+    m = ctx.model
+    if m.module not in ("solid", "biphasic"):
+        ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
+    for step in (m.common, *m.steps):
+        for c in (*step.contact, *step.constraints, *step.rigid, *step.adaptors):
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+    for c in m.discrete:
+        ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)
+    for c in m.unknown:
+        ctx.refuse(f"the section <{c.tag}>", c.where)
+
+
+def _step(ctx: Context, spec: ModelStep) -> Step:
+    out = Step(name=spec.name or "")
+    if spec.control is None:
+        raise InputError("a <step> has no <Control>", spec.where)
+    control.step(ctx, spec.control, out)
+    _fill(ctx, out, spec)
+    return out
+
+
+def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
+    out.conditions = conditions.conditions(ctx, spec.boundary)
+    out.initial = conditions.initial(ctx, spec.initial)
+    out.loads, out.body_loads = loads.loads(ctx, spec.loads)
+
+
+__all__ = ["lower", "unsupported"]

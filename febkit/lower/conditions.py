@@ -1,0 +1,94 @@
+"""<Boundary> and <Initial> to solver conditions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from febkit.model import Component, InputError
+from febkit.model.sets import node_indices
+from febkit.solver.problem import UX, UY, UZ, Fixed, Initial, P, Prescribed
+
+from .context import Context
+
+COLUMN = {"x": UX, "y": UY, "z": UZ, "p": P}
+# FEBio writes these with every condition; they mean nothing here
+META = frozenset({"name"})
+
+
+def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Prescribed]:
+    """Boundary conditions in file order."""
+    out: list[Fixed | Prescribed] = []
+    for c in specs:
+        make = READERS.get(c.type or "")
+        if make is None:
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+        else:
+            out += make(ctx, c)
+    return out
+
+
+def _nodes(ctx: Context, c: Component) -> np.ndarray:
+    ref = c.attrs.get("node_set") or c.attrs.get("surface")
+    if not ref:
+        raise InputError(f'<{c.tag} type="{c.type}"> names no node_set', c.where)
+    return np.unique(node_indices(ctx.model.mesh, ref, c.where)) if "surface" in c.attrs else node_indices(
+        ctx.model.mesh, ref, c.where
+    )
+
+
+def _zero_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"x_dof", "y_dof", "z_dof"})
+    nodes = _nodes(ctx, c)
+    return [Fixed(k, nodes) for axis, k in (("x", UX), ("y", UY), ("z", UZ)) if c.bool(f"{axis}_dof")]
+
+
+def _zero_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, set())
+    return [Fixed(P, _nodes(ctx, c))] if ctx.model.module == "biphasic" else []
+
+
+def _prescribed(ctx: Context, c: Component, column: int) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"dof", "value", "relative"})
+    nodes = _nodes(ctx, c)
+    value = ctx.value(c.child("value"), 0.0, c.attrs.get("node_set", ""))
+    return [Prescribed(column, nodes, value, c.bool("relative"))]
+
+
+def _prescribed_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    dof = c.need("dof").text.strip()
+    if dof not in ("x", "y", "z"):
+        raise InputError(f"<dof> must be x, y or z, not {dof!r}", c.need("dof").where)
+    return _prescribed(ctx, c, COLUMN[dof])
+
+
+def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    return _prescribed(ctx, c, P)
+
+
+READERS = {
+    "zero displacement": _zero_displacement,
+    "prescribed displacement": _prescribed_displacement,
+    "zero fluid pressure": _zero_pressure,
+    "prescribed fluid pressure": _prescribed_pressure,
+}
+
+
+def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
+    """Initial conditions in file order."""
+    out: list[Initial] = []
+    for c in specs:
+        kind = c.type or ""
+        if kind == "velocity":
+            leaf = c.need("value")
+            v = leaf.as_floats(3)
+            from febkit.solver.values import Constant
+
+            out += [Initial(k, _nodes(ctx, c), Constant(x), velocity=True) for k, x in zip((UX, UY, UZ), v)]
+        elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
+            out.append(Initial(P, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+        elif kind in ("displacement", "init_dof"):
+            dof = c.str("dof", "x")
+            out.append(Initial(COLUMN[dof], _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+        else:
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+    return out

@@ -1,0 +1,96 @@
+"""The log of a run, in FEBio's layout, so that tools which read FEBio's logs read ours."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TextIO
+
+from febkit.model import Model
+from febkit.solver.newton import Counts, Iteration
+from febkit.solver.result import Result
+from febkit.solver.run import Listener, Run
+
+
+class LogListener(Listener):
+    """Writes convergence blocks, time steps and the summary; warnings as they come."""
+
+    def __init__(self, model: Model, path: str | PathLike[str]) -> None:
+        self.model = model
+        self.file: TextIO = open(path, "w", encoding="utf-8")  # noqa: SIM115 (held open until end)
+        self._last = -1
+
+    def write(self, text: str) -> None:
+        self.file.write(text)
+
+    def warn(self, message: str) -> None:
+        self.write(f" *  WARNING\n * {message}\n\n")
+
+    def start(self, run: Run) -> None:
+        from febkit import __version__
+
+        m = self.model
+        elements = sum(g.m for g in run.groups)
+        self.write(f"febkit {__version__}\n\n")
+        self.write(f"\tFILENAME   : {m.file}\n\tMODULE     : {m.module}\n\n")
+        self.write(f"\tNr of nodes ............................... : {len(m.mesh.X)}\n")
+        self.write(f"\tNr of elements ............................ : {elements}\n")
+        self.write(f"\tNr of threads ............................. : {run.team.n}\n\n")
+        for g in run.groups:
+            law = type(g.block.solid).__name__
+            self.write(f"\tpart {g.block.name}: {g.m} {g.block.element}, {law}, {g.block.formulation}\n")
+        self.write("\n")
+
+    def begin_analysis(self, run: Run) -> None:
+        s, system = run.step, run.system
+        assert system is not None
+        self.write(f"\nstep {run.index + 1}{f' ({s.name})' if s.name else ''}: {s.analysis}\n")
+        self.write(f"\tNr of equations ........................... : {len(system.eqs.rows)}\n")
+        self.write(f"\tstiffness matrix .......................... : {'symmetric' if system.symmetric else 'unsymmetric'}\n")
+        self.write(f"\tlinear solver ............................. : {run.totals.linear_solver}\n")
+
+    def begin_step(self, run: Run, number: int, time: float) -> None:
+        self.write(f"\n===== beginning time step {number} : {time:.8g} =====\n")
+
+    def iteration(self, run: Run, it: Iteration) -> None:
+        w = self.write
+        w(f" {it.number}\n Nonlinear solution status: time= {it.time:g}\n")
+        w(f"\tstiffness updates             = {it.updates}\n")
+        w(f"\tright hand side evaluations   = {it.residuals}\n")
+        w(f"\tstiffness matrix reformations = {it.reforms}\n")
+        w(f"\tstep from line search         = {it.line:f}\n")
+        w("\tconvergence norms :     INITIAL         CURRENT         REQUIRED\n")
+        for name, n in it.norms.items():
+            w(f"\t   {name:<17s}{n.initial:15e} {n.now:15e} {n.required:15e} \n")
+
+    def converged(self, run: Run, counts: Counts) -> None:
+        self.write(
+            f"\nconvergence summary\n    number of iterations   : {counts.iterations}\n"
+            f"    number of reformations : {counts.total_reforms}\n"
+            f"\n------- converged at time : {run.state.time:g}\n\n"
+        )
+        self.file.flush()
+
+    def failed(self, run: Run, reason: str, again: float | None) -> None:
+        self.write(f" *  WARNING\n * {reason}\n\n------- failed to converge\n\n")
+        if again is not None:
+            self.write(f"Retrying time step.\n\nAUTO STEPPER: retry step, dt = {again:g}\n\n")
+        self.file.flush()
+
+    def end(self, run: Run, result: Result) -> None:
+        t, w = result.totals, self.write
+        w("\n N O N L I N E A R   I T E R A T I O N   S U M M A R Y\n\n")
+        w(f"\tNumber of time steps completed .................... : {t.steps}\n")
+        w(f"\tTotal number of equilibrium iterations ............ : {t.iterations}\n")
+        w(f"\tTotal number of right hand evaluations ............ : {t.residuals}\n")
+        w(f"\tTotal number of stiffness reformations ............ : {t.reforms}\n")
+        w(f"\tTotal number of retries ........................... : {t.retries}\n\n")
+        for name, value in t.factor.items():
+            w(f"\tlinear solver {name.replace('_', ' ')}: {value:g}\n")
+        w("\n T I M I N G S\n\n")
+        for name, seconds in t.seconds.items():
+            w(f"\t{name}: {seconds:.3f} s\n")
+        if result.converged:
+            w("\n N O R M A L   T E R M I N A T I O N\n\n")
+        else:
+            w(f"\n *  ERROR\n * {result.reason}\n\n E R R O R   T E R M I N A T I O N\n\n")
+        self.file.close()

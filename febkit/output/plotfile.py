@@ -1,0 +1,92 @@
+"""Writes the states of a run to a plotfile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from febkit.model import Model
+from febkit.results.variables import VARIABLES
+from febkit.results.xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
+from febkit.results.xplt.writer import PlotWriter
+from febkit.solver.result import Result
+from febkit.solver.run import Listener, Run
+
+from . import fields
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+
+def plot_mesh(model: Model) -> PlotMesh:
+    """The mesh section of a model: its domains in the order of <MeshDomains>."""
+    ids = {m.name: m.id or k + 1 for k, m in enumerate(model.materials)}
+    domains = []
+    for d in model.domains:
+        b = model.mesh.block(d.block)
+        name = d.block if d.kind == "solid" else None
+        domains.append(PlotDomain(b.type, ids.get(d.material, 0), name, b.ids, b.conn))
+    return PlotMesh(
+        model.mesh.node_ids,
+        model.mesh.X,
+        domains,
+        [PlotSurface(s.name, dict(s.facets)) for s in model.mesh.surfaces.values()],
+        {n: s.nodes for n, s in model.mesh.node_sets.items()},
+        {n: s.elements for n, s in model.mesh.element_sets.items()},
+        [(ids[m.name], m.name or "") for m in model.materials],
+    )
+
+
+class PlotListener(Listener):
+    """Writes what <plotfile> asks for; variables febkit does not compute are named once by ``warn``."""
+
+    def __init__(self, model: Model, path: str | PathLike[str], warn: Callable[[str], None]) -> None:
+        self.model, self.path = model, path
+        self.names: list[str] = []
+        variables: list[PlotVariable] = []
+        for v in model.output.plot:
+            if not fields.known(v.type) or v.type not in VARIABLES or v.surface:
+                warn(f'plot variable "{v.type}" is not computed by febkit and is left out')
+            elif v.type not in self.names:
+                self.names.append(v.type)
+                variables.append(VARIABLES[v.type])
+        self.variables = variables
+        self.writer: PlotWriter | None = None
+
+    def start(self, run: Run) -> None:
+        spec = self.model.output.plot_spec
+        compress = spec is not None and spec.bool("compression")
+        self.mesh = plot_mesh(self.model)
+        self.writer = PlotWriter(
+            self.path, self.mesh, self.variables, compress=compress, software="febkit",
+            units=self.model.units,
+        )  # fmt: skip
+
+    def save(self, run: Run, status: int) -> None:
+        assert self.writer is not None
+        data: dict[str | int, Any] = {name: self._values(run, name) for name in self.names}
+        self.writer.state(run.state.time, data, status)
+
+    def _values(self, run: Run, name: str) -> Any:
+        if VARIABLES[name].section == "node":
+            return {0: np.asarray(fields.NODAL[name](run), np.float32)}
+        out: dict[int, Any] = {}
+        nodal = fields.DOMAIN_NODAL.get(name)
+        for k, (group, domain) in enumerate(zip(run.groups, self.mesh.domains)):
+            if nodal is not None:
+                if nodal[1](group):
+                    out[k + 1] = nodal[0](run)[domain.nodes()].astype(np.float32)
+                continue
+            if name in fields.INTERPOLATED:
+                v: Any = fields.interpolated(fields.INTERPOLATED[name](run), group)
+            else:
+                v = fields.DOMAIN[name](group)
+            if v is not None:
+                out[k + 1] = v.astype(np.float32)
+        return out
+
+    def end(self, run: Run, result: Result) -> None:
+        if self.writer is not None:
+            self.writer.close()

@@ -1,0 +1,63 @@
+"""A progress bar: time, step, Newton state and the time left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+from febkit.solver.newton import Counts, Iteration
+from febkit.solver.result import Result
+from febkit.solver.run import Listener, Run
+
+
+class ProgressListener(Listener):
+    """One bar over the analysis time of all steps, drawn on stderr; plain lines where it is no terminal."""
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+        self._bar: Any = None
+        self._task: Any = None
+        self._said = 0.0
+
+    def start(self, run: Run) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+        self._total = sum(
+            s.duration if s.duration is not None else s.dt * s.count for s in run.problem.steps
+        )
+        console = Console(stderr=True)
+        if not console.is_terminal:
+            return
+        self._bar = Progress(
+            TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(),
+            TextColumn("{task.fields[state]}"), console=console,
+        )  # fmt: skip
+        self._task = self._bar.add_task(self.title, total=self._total, state="")
+        self._bar.start()
+
+    def begin_step(self, run: Run, number: int, t: float) -> None:
+        self._step = run.totals.steps + 1
+        self._show(f"step {self._step}  t = {t:.4g}")
+
+    def iteration(self, run: Run, it: Iteration) -> None:
+        u = it.norms["displacement"]
+        ratio = (u.now / u.required) ** 0.5 if u.required > 0 else 0.0
+        self._show(f"step {self._step}  t = {it.time:.4g}  iteration {it.number}  |du|/tol = {ratio:.1e}")
+
+    def _show(self, state: str) -> None:
+        if self._bar is not None:
+            self._bar.update(self._task, state=state)
+
+    def converged(self, run: Run, counts: Counts) -> None:
+        if self._bar is not None:
+            self._bar.update(self._task, completed=run.state.time)
+        elif time.monotonic() - self._said > 10.0:
+            self._said = time.monotonic()
+            done = 100.0 * run.state.time / self._total if self._total else 100.0
+            print(f"{self.title}: {done:5.1f} %  step {run.totals.steps}  t = {run.state.time:.4g}", file=sys.stderr)
+
+    def end(self, run: Run, result: Result) -> None:
+        if self._bar is not None:
+            self._bar.stop()

@@ -1,0 +1,58 @@
+"""Solve a model: lower it, run it, let the listeners write."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from febkit.model import Model
+
+if TYPE_CHECKING:
+    from febkit.solver.result import Result
+    from febkit.solver.run import Listener
+
+
+def solve(
+    model: Model,
+    plotfile: str | PathLike[str] | None = None,
+    logfile: str | PathLike[str] | None = None,
+    threads: int = 0,
+    linear: str = "auto",
+    progress: bool = False,
+    listeners: Sequence[Listener] = (),
+    warn: Callable[[str], None] | None = None,
+) -> Result:
+    """Solve ``model``; write a plotfile and a log where paths are given.
+
+    threads: 0 for all processors; linear: "auto", "pardiso", "superlu" or "dense".
+    Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
+    Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
+    """
+    from febkit.lower import lower
+    from febkit.solver.run import Options, run
+
+    problem = lower(model)
+    told: list[Listener] = [*listeners]
+    say = [warn or (lambda m: warnings.warn(m, stacklevel=3))]
+    if logfile is not None:
+        from febkit.output.log import LogListener
+
+        log = LogListener(model, logfile)
+        told.append(log)
+        say.append(log.warn)
+    if model.output.log:
+        from febkit.output.logdata import LogDataListener
+
+        told.append(LogDataListener(model, Path(logfile or model.file or ".").parent, lambda m: [f(m) for f in say]))
+    if plotfile is not None:
+        from febkit.output.plotfile import PlotListener
+
+        told.append(PlotListener(model, plotfile, lambda m: [f(m) for f in say]))  # type: ignore[arg-type,func-returns-value]
+    if progress:
+        from febkit.output.progress import ProgressListener
+
+        told.append(ProgressListener(Path(model.file).name or "solving"))
+    return run(problem, told, Options(threads, linear))

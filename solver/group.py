@@ -1,0 +1,309 @@
+"""A block at work: its integration points, stresses and element matrices.
+
+Elements are cut into chunks small enough for the cache; a chunk goes through kinematics, material and
+assembly in turn, so that no material needs to know an element, nor an element a material.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import elements
+from .kernels import biphasic, pattern, solid, three_field
+from .pattern import Pattern
+from .points import Points
+from .problem import Block
+from .solids import history
+from .state import State
+from .threads import Team
+
+Floats = NDArray[np.float64]
+_NONE = np.zeros((0, 0))
+
+
+class NegativeJacobian(RuntimeError):
+    """An element turned inside out; ``element`` is its label, ``part`` its block."""
+
+    def __init__(self, element: int, part: str) -> None:
+        self.element, self.part = element, part
+        super().__init__(f"element {element} of part {part!r} turned inside out (negative Jacobian)")
+
+
+@dataclass(slots=True)
+class Chunk:
+    lo: int
+    hi: int
+    points: Points
+    thread: int
+
+
+class Group:
+    """Element arrays of one block. m elements, g integration points, n nodes per element."""
+
+    def __init__(self, block: Block, X: Floats, team: Team, chunk: int = 128) -> None:
+        self.block, self.team = block, team
+        e = elements.get(block.element, block.rule)
+        self.element = e
+        self.N, self.dN = np.ascontiguousarray(e.N), np.ascontiguousarray(e.dN)
+        self.conn = np.ascontiguousarray(block.conn, dtype=np.int32)
+        m, g = len(self.conn), len(e.weights)
+        self.m, self.g, self.n = m, g, self.conn.shape[1]
+        self.columns = 4 if block.mixture is not None else 3
+        self.iJ0, self.wJ0 = np.empty((m, g, 3, 3)), np.empty((m, g))
+        if solid.reference(X, self.conn, self.dN, np.ascontiguousarray(e.weights), self.iJ0, self.wJ0):
+            first = int(np.flatnonzero((self.wJ0 <= 0).any(axis=1))[0])
+            raise NegativeJacobian(int(block.ids[first]), block.name)
+        self.F = np.tile(np.eye(3), (m, g, 1, 1))
+        self.J = np.ones((m, g))
+        self.s = np.zeros((m, g, 6))
+        if block.mixture is not None:
+            self.Jp = np.ones((m, g))
+            self.pg, self.gp, self.w = np.zeros((m, g)), np.zeros((m, g, 3)), np.zeros((m, g, 3))
+            self.supply = np.zeros((m, g)) if block.mixture.supply is not None else _NONE
+        if block.formulation == "three-field":
+            self.eJ, self.ep, self.Lk = np.ones(m), np.zeros(m), np.zeros(m)
+        self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
+        self.chunks = self._cut(chunk)
+        self.set_history(history.initial(block.solid, m * g))
+        self.lock = Lock()
+
+    def _axes(self) -> Floats | None:
+        Q = self.block.axes
+        if Q is None:
+            return None
+        return np.repeat(Q, self.g, axis=0) if Q.ndim == 3 else Q.reshape(-1, 3, 3)
+
+    def _cut(self, size: int) -> list[Chunk]:
+        F, J, g, Q = self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.g, self._axes()
+        out = []
+        for thread, (a, b) in enumerate(self.team.ranges(self.m)):
+            for lo in range(a, b, size):
+                hi = min(lo + size, b)
+                q = slice(lo * g, hi * g)
+                pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
+                pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
+                out.append(Chunk(lo, hi, pts, thread))
+        return out
+
+    def points(self) -> Points:
+        """All integration points of the block as one batch (views)."""
+        pts = Points(self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.Xg, np.repeat(np.arange(self.m), self.g))
+        pts.Q, pts.old, pts.new = self._axes(), self.old, self.new
+        return pts
+
+    def set_history(self, old: Floats) -> None:
+        """Take ``old`` (m g, h) as the history of the last converged state."""
+        self.old, self.new = old, old.copy()
+        for c in self.chunks:
+            q = slice(c.lo * self.g, c.hi * self.g)
+            c.points.old, c.points.new = self.old[q], self.new[q]
+
+    def _by_thread(self) -> list[list[Chunk]]:
+        out: list[list[Chunk]] = []
+        for c in self.chunks:
+            while len(out) <= c.thread:
+                out.append([])
+            out[c.thread].append(c)
+        return out
+
+    # ---- update -----------------------------------------------------------------------------------
+    def update(self, state: State, x: Floats, drive: list | None = None) -> None:
+        """Kinematics and stresses at positions x (node, 3). Raises NegativeJacobian."""
+        groups = self._by_thread()
+
+        def work(i: int) -> int:
+            first = -1
+            for c in groups[i]:
+                bad = solid.kinematics(c.lo, c.hi, x, self.conn, self.dN, self.iJ0, self.F, self.J)
+                if bad >= 0:
+                    first = bad if first < 0 else first
+                    continue
+                if first < 0:
+                    self._update_chunk(c, state, drive)
+            return first
+
+        bad = [b for b in self.team.map(work, len(groups)) if b >= 0]
+        if bad:
+            raise NegativeJacobian(int(self.block.ids[min(bad)]), self.block.name)
+
+    def _update_chunk(self, c: Chunk, state: State, drive: list | None) -> None:
+        pts, block = c.points, self.block
+        pts.t, pts.dt = state.time, state.dt
+        s = self.s[c.lo : c.hi].reshape(-1, 6)
+        s[:] = 0.0
+        if block.formulation == "three-field":
+            self._three_field_stress(c, s)
+        else:
+            block.solid.stress(pts, s, None)
+        if block.mixture is not None:
+            self._update_fluid(c, state, drive)
+
+    def _three_field_stress(self, c: Chunk, s: Floats) -> None:
+        law, e = self.block.solid, slice(c.lo, c.hi)
+        w = self.wJ0[e]
+        self.eJ[e] = (w * self.J[e]).sum(axis=1) / w.sum(axis=1)
+        law.dev(c.points, s, None)  # type: ignore[attr-defined]
+        p = self._of_mean(law.pressure, c)  # type: ignore[attr-defined]
+        # the multiplier acts through h(J) = ln J, h' = 1/J (FEBio's augmented Lagrangian)
+        self.ep[e] = p + self.Lk[e] / self.eJ[e]
+        s[:, :3] += np.repeat(self.ep[e], self.g)[:, None]
+
+    def _of_mean(self, law: Callable[[Floats, Points], Floats], c: Chunk) -> Floats:
+        """A volumetric law at the element-mean relative volumes of a chunk."""
+        return law(np.repeat(self.eJ[c.lo : c.hi], self.g), c.points)[:: self.g]
+
+    def _update_fluid(self, c: Chunk, state: State, drive: list | None) -> None:
+        mix, pts = self.block.mixture, c.points
+        assert mix is not None and state.p is not None
+        biphasic.pressures(
+            c.lo, c.hi, self.conn, self.N, self.dN, self.iJ0, self.F, self.J,
+            np.ascontiguousarray(state.d[:, 3]), self.pg, self.gp,
+        )  # fmt: skip
+        k = self._permeability(c)[0]
+        b = np.zeros((0, 3)) if not drive else self._drive(c, drive)
+        biphasic.flux(c.lo, c.hi, k, self.gp, b, self.w)
+        if mix.supply is not None:
+            q = np.zeros(pts.n)
+            mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), q, None, None)
+            self.supply[c.lo : c.hi] = q.reshape(-1, self.g)
+
+    def _drive(self, c: Chunk, drive: list) -> Floats:
+        mix = self.block.mixture
+        assert mix is not None
+        b = np.zeros((c.points.n, 3))
+        for load in drive:
+            b += load.force(c.points)
+        return b * mix.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
+
+    def _permeability(self, c: Chunk, tangent: bool = False) -> tuple[Floats, Floats | None]:
+        mix, pts = self.block.mixture, c.points
+        assert mix is not None
+        k = np.zeros((pts.n, 6))
+        dk = np.zeros((pts.n, 6, 6)) if tangent and mix.permeability.strain_dependent else None
+        phi = mix.phi0(pts.t, pts.X, pts.e)
+        mix.permeability.permeability(pts, phi, k, dk)
+        return k, dk
+
+    # ---- residual ---------------------------------------------------------------------------------
+    def residual(self, state: State, R: list[Floats], steady: bool) -> None:
+        """Subtract internal forces from R[thread] (node, column)."""
+        groups = self._by_thread()
+
+        def work(i: int) -> None:
+            lo, hi = groups[i][0].lo, groups[i][-1].hi
+            if self.block.mixture is None:
+                solid.internal_force(
+                    lo, hi, self.conn, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.s, R[i]
+                )
+            else:
+                biphasic.internal_force(
+                    lo, hi, self.conn, self.N, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.Jp,
+                    self.s, self.pg, self.w, self.supply, state.dt, steady, R[i],
+                )  # fmt: skip
+
+        self.team.map(work, len(groups))
+
+    # ---- tangent ----------------------------------------------------------------------------------
+    def tangent(self, state: State, pat: Pattern, data: Floats, step: Floats, Fd: Floats, steady: bool) -> None:
+        """Add element tangents to the matrix values ``data`` and the prescribed columns to Fd."""
+        groups, back = self._by_thread(), pat.back(self)
+
+        def work(i: int) -> None:
+            size = max(c.hi - c.lo for c in groups[i])
+            nd = self.n * self.columns
+            K, s = np.empty((size, nd, nd)), np.empty((size * self.g, 6))
+            C = np.empty((size * self.g, 6, 6))
+            for c in groups[i]:
+                self._chunk_tangent(c, state, s, C, K, steady)
+                with self.lock:
+                    pattern.scatter(
+                        c.lo, c.hi, K, self.conn, back, pat.eq, pat.free, pat.lead, pat.indptr, data,
+                        step, Fd, pat.symmetric,
+                    )  # fmt: skip
+
+        self.team.map(work, len(groups))
+
+    def _chunk_tangent(self, c: Chunk, state: State, s: Floats, C: Floats, K: Floats, steady: bool) -> None:
+        q = (c.hi - c.lo) * self.g
+        s, C = s[:q], C[:q]
+        s[:], C[:] = 0.0, 0.0
+        pts = c.points
+        pts.t, pts.dt = state.time, state.dt
+        se, Ce = s.reshape(-1, self.g, 6), C.reshape(-1, self.g, 6, 6)
+        geometry = (self.dN, self.iJ0, self.wJ0, self.F, self.J)
+        if self.block.formulation == "three-field":
+            self._three_field_tangent(c, s, C, K, geometry)
+            return
+        self.block.solid.stress(pts, s, C)
+        mix = self.block.mixture
+        if mix is None:
+            solid.stiffness(c.lo, c.hi, *geometry, se, Ce, K)
+            return
+        k, dk = self._permeability(c, tangent=True)
+        biphasic.stiffness(c.lo, c.hi, self.N, *geometry, se, Ce, self.pg, k, state.dt, steady, K)
+        if dk is not None:
+            biphasic.permeability_coupling(c.lo, c.hi, *geometry, self.gp, dk, state.dt, K)
+        if mix.supply is not None:
+            q, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
+            mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), q, dE, dp)
+            biphasic.supply_coupling(c.lo, c.hi, self.N, *geometry, q, dE, dp, state.dt, K)
+
+    def _three_field_tangent(self, c: Chunk, s: Floats, C: Floats, K: Floats, geometry: tuple) -> None:
+        law, e = self.block.solid, slice(c.lo, c.hi)
+        law.dev(c.points, s, C)  # type: ignore[attr-defined]
+        p = np.repeat(self.ep[e], self.g)
+        s[:, :3] += p[:, None]
+        C[:, :3, :3] += p[:, None, None] * (1.0 - 2.0 * np.eye(3))
+        C[:, [3, 4, 5], [3, 4, 5]] -= p[:, None]
+        se, Ce = s.reshape(-1, self.g, 6), C.reshape(-1, self.g, 6, 6)
+        solid.stiffness(c.lo, c.hi, *geometry, se, Ce, K)
+        k = self._of_mean(law.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+        three_field.dilatation(c.lo, c.hi, *geometry, np.ascontiguousarray(k), K)
+
+    # ---- steps ------------------------------------------------------------------------------------
+    def begin_step(self, state: State) -> None:
+        """The present state becomes the last converged one; memory is made ready for a step."""
+        if self.block.mixture is not None:
+            self.Jp = self.J.copy()
+        if self.new.shape[1]:
+            self.old[:] = self.new
+            pts = self.points()
+            pts.t, pts.dt = state.time, state.dt
+            self.set_history(history.begin(self.block.solid, pts))
+
+    def snapshot(self) -> dict[str, Floats]:
+        """What a failed step must give back."""
+        names = ["J", "F", "s"]
+        names += ["Jp", "pg", "gp", "w"] if self.block.mixture is not None else []
+        names += ["eJ", "ep", "Lk"] if self.block.formulation == "three-field" else []
+        return {n: getattr(self, n).copy() for n in names} | {"history": self.new.copy()}
+
+    def restore(self, saved: dict[str, Floats]) -> None:
+        for name, value in saved.items():
+            if name != "history":
+                getattr(self, name)[...] = value
+        history.layout(self.block.solid)
+        self.set_history(saved["history"].copy())
+
+    def augment(self, done: int) -> tuple[bool, float, float]:
+        """One augmentation of the element pressures: (converged, norm, relative change).
+
+        lambda += k ln J with k the bulk modulus (FEBio theory manual, augmented Lagrangian).
+        """
+        a = self.block.augment
+        if a is None:
+            return True, 0.0, 0.0
+        k = self.block.solid.k(0.0, self.Xg[:: self.g], np.arange(self.m))  # type: ignore[attr-defined]
+        new = self.Lk + k * np.log(self.eJ)
+        n0, n1 = float(np.linalg.norm(self.Lk)), float(np.linalg.norm(new))
+        change = abs((n1 - n0) / n1) if n1 > 1e-10 else 0.0
+        converged = change < a.tolerance and done >= a.least
+        converged = converged or (a.most > 0 and a.most <= done)
+        if not converged:
+            self.Lk[:] = new
+        return converged, n1, change

@@ -1,0 +1,272 @@
+"""One nonlinear solve: FEBio's quasi-Newton loop with line search and its convergence tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .group import NegativeJacobian
+from .linear.base import LinearError, LinearSolver
+from .problem import P
+from .quasi_newton import METHODS, FullNewton
+from .system import System
+
+Floats = NDArray[np.float64]
+
+
+class NotConverged(RuntimeError):
+    """This time step did not converge; the message says why, in words for the user."""
+
+
+@dataclass(slots=True)
+class Norm:
+    initial: float
+    now: float
+    required: float
+
+
+@dataclass(slots=True)
+class Iteration:
+    """What one iteration reports: counters, line search step and norms (squared, as FEBio prints them)."""
+
+    time: float
+    number: int
+    updates: int
+    residuals: int
+    reforms: int
+    line: float
+    norms: dict[str, Norm]
+
+
+@dataclass(slots=True)
+class Counts:
+    iterations: int = 0
+    residuals: int = 0
+    reforms: int = 0
+    total_reforms: int = 0
+    augmentations: int = 0
+
+
+@dataclass(slots=True)
+class _Norms:
+    energy0: float = 0.0
+    energy_max: float = 0.0
+    residual0: float = 0.0
+    u0: float = 0.0
+    p0: float = 0.0
+    history: list[float] = field(default_factory=list)
+
+
+class Newton:
+    """Solves time steps of one system; keeps the factored tangent between them."""
+
+    def __init__(self, system: System, solver: LinearSolver, watch: Callable[[Iteration], None]) -> None:
+        self.system, self.solver, self.watch = system, solver, watch
+        self.options = system.step.newton
+        method = METHODS.get(self.options.method, FullNewton)
+        if self.options.updates == 0:
+            method = FullNewton
+        self.qn = method(self._back, self.options)
+        self.force_reform = True
+        eqs = system.eqs
+        self.rows, self.given = eqs.rows, eqs.given
+        self.is_p = eqs.column == P
+        self.is_u = ~self.is_p
+        self.biphasic = bool(self.is_p.any()) or system.problem.biphasic
+        self.total = system.gather(system.state.d).copy()
+        self.count = Counts()
+        self.augments = any(g.block.augment is not None for g in system.groups)
+
+    # ---- pieces -----------------------------------------------------------------------------------
+    def _back(self, b: Floats) -> Floats:
+        x = np.empty_like(b)
+        x[self.given] = b[self.given]
+        if len(self.rows):
+            x[self.rows] = self.solver.solve(b[self.rows])
+        return x
+
+    def _reform(self, step: Floats) -> Floats:
+        """Renew and factorise the tangent; returns minus its prescribed columns times ``step``."""
+        if self.count.reforms >= self.options.max_reforms:
+            raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
+        A, Fd = self.system.tangent(step)
+        if A.n:
+            if not np.isfinite(A.data).all():
+                raise NotConverged("the tangent holds a number that is not finite")
+            self.solver.factor(A)
+        self.count.reforms += 1
+        self.count.total_reforms += 1
+        self.qn.reset()
+        return Fd
+
+    def _residual(self) -> Floats:
+        self.count.residuals += 1
+        R = self.system.residual()
+        if not np.isfinite(R).all():
+            raise NotConverged("the residual holds a number that is not finite")
+        return R
+
+    def _move(self, u: Floats) -> None:
+        self.system.set(self.total + self.increment + u, self.target)
+
+    # ---- line search ------------------------------------------------------------------------------
+    def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
+        """Step length s with |u . R(s)| < lstol |u . R(0)| (FEBio's cubic of the energy), and R there."""
+        o = self.options
+        if o.line_tolerance <= 0:
+            self._move(u)
+            return 1.0, self._residual()
+        s = best = 1.0
+        r0 = float(u @ R0)
+        least = abs(r0)
+        n = 0
+        while True:
+            s = self._try(u, s)
+            R1 = self._residual()
+            if s < o.line_minimum and not o.line_check_jacobians:
+                self._move(0.5 * u)
+                return 0.5, self._residual()
+            r1 = float(u @ R1)
+            if n == 0 or abs(r1) < least:
+                best, least = s, abs(r1)
+            r = 0.0 if abs(r1) < 1e-17 else abs(r1 / r0) if r0 else np.inf
+            if not r > o.line_tolerance:
+                return s, R1
+            s = self._next(s, r0 / r1)
+            n += 1
+            if n >= o.line_iterations:
+                self._move(best * u)
+                return best, self._residual()
+
+    @staticmethod
+    def _next(s: float, a: float) -> float:
+        A = 1 + a * (s - 1)
+        B = a * s * s
+        D = B * B - 4 * A * B
+        if A == 0:
+            return 0.0
+        if D < 0:
+            return 0.5 * B / A
+        root = np.sqrt(D)
+        s = (B + root) / (2 * A)
+        if s < 0:
+            s = (B - root) / (2 * A)
+        return max(s, 0.0)
+
+    def _try(self, u: Floats, s: float) -> float:
+        if not self.options.line_check_jacobians:
+            self._move(s * u)
+            return s
+        for n in range(self.options.line_iterations + 2):
+            try:
+                self._move(s * u)
+                return s
+            except NegativeJacobian:
+                if n > self.options.line_iterations:
+                    raise
+                s *= 0.5
+        return s
+
+    # ---- the loop ---------------------------------------------------------------------------------
+    def step(self) -> Counts:
+        """Solve the present time step. Raises NotConverged, NegativeJacobian or LinearError."""
+        self.count = Counts()
+        sys_, o = self.system, self.options
+        self.increment = np.zeros_like(self.total)
+        self.target = sys_.targets(sys_.state.time)
+        du = np.zeros_like(self.total)
+        given = sys_.gather(self.target) - sys_.gather(sys_.state.d)
+        du[self.given] = given[self.given]
+        sys_.update()
+        self.qn.reset() if self.force_reform or o.reform_each_step else None
+        self.qn.begin()
+        Fd = self._reform(du)
+        self.force_reform = False
+        R0 = self._residual() + Fd
+        norms = _Norms()
+        while True:
+            if self._iterate(R0, norms):
+                self.total = self.total + self.increment
+                return self.count
+            R0 = self._next_R0
+
+    def _iterate(self, R0: Floats, m: _Norms) -> bool:
+        o, k = self.options, self.count
+        u = self.qn.solve(R0)
+        if not np.isfinite(u).all():
+            raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
+        s, R1 = self._line_search(u, R0)
+        if k.iterations == 0:
+            m.residual0, m.energy0 = float(R0 @ R0), abs(float(u @ R0))
+            m.energy_max = m.energy0
+            m.u0, m.p0 = float(u[self.is_u] @ u[self.is_u]), float(u[self.is_p] @ u[self.is_p])
+        self.increment = self.increment + s * u
+        report, converged = self._test(u, s, R1, m)
+        energy = report["energy"].now
+        self.watch(Iteration(
+            self.system.state.time, k.iterations + 1, self.qn.count, k.residuals, k.reforms, s, report
+        ))  # fmt: skip
+        r1 = report["residual"].now
+        if not converged and r1 < o.min_residual:
+            converged = True
+        if not converged and 0 < o.max_residual <= r1:
+            raise NotConverged(f"the residual {r1:g} is above max_residual = {o.max_residual:g}")
+        if converged:
+            converged = not self.augments or self._augment()
+            k.iterations += 1
+            return converged
+        if o.line_tolerance > 0 and s < o.line_minimum:
+            self.force_reform = True
+        elif energy > m.energy_max and o.diverge_reform:
+            m.energy_max = m.energy0 = energy
+            m.residual0 = r1
+            self.force_reform = True
+        self._update(s, u, R0, R1)
+        k.iterations += 1
+        return False
+
+    def _test(self, u: Floats, s: float, R1: Floats, m: _Norms) -> tuple[dict[str, Norm], bool]:
+        o, U = self.options, self.increment
+        fields = [("displacement", self.is_u, o.dtol, m.u0)]
+        if self.biphasic:
+            fields.append(("fluid pressure", self.is_p, o.ptol, m.p0))
+        energy, r1 = abs(s * float(u @ R1)), float(R1 @ R1)
+        report = {
+            "residual": Norm(m.residual0, r1, o.rtol * m.residual0),
+            "energy": Norm(m.energy0, energy, o.etol * m.energy0),
+        }
+        ok = not (o.rtol > 0 and r1 > o.rtol * m.residual0)
+        ok = ok and not (o.etol > 0 and energy > o.etol * m.energy0)
+        for name, mask, tol, first in fields:
+            now, total = s * s * float(u[mask] @ u[mask]), float(U[mask] @ U[mask])
+            report[name] = Norm(first, now, tol * tol * total)
+            ok = ok and not (tol > 0 and now > tol * tol * total)
+        ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
+        ok = ok and not (o.diverge_reform and energy > m.energy_max)
+        return report, ok
+
+    def _update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> None:
+        reform, self.force_reform = self.force_reform, False
+        if reform or not self.qn.update(s, u, R0, R1):
+            self._reform(np.zeros_like(u))
+        self._next_R0 = R1
+
+    def _augment(self) -> bool:
+        k = self.count
+        done = [g.augment(k.augmentations) for g in self.system.groups]
+        k.augmentations += 1
+        k.reforms = 0
+        if all(c for c, *_ in done):
+            return True
+        self.system.update()
+        self._next_R0 = self._residual()
+        self.qn.begin()
+        if self.options.updates == 0 or self.options.reform_augment:
+            self._reform(np.zeros_like(self.total))
+        return False
+
+
+__all__ = ["Counts", "Iteration", "LinearError", "Newton", "NotConverged"]

@@ -1,0 +1,124 @@
+"""Equation numbers and sparsity of one analysis step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels import pattern as kernels
+from .linear.base import Matrix
+from .problem import Fixed, Prescribed
+
+if TYPE_CHECKING:
+    from .group import Group
+
+Ints = NDArray[np.int32]
+INACTIVE, FREE, HELD, GIVEN = -1, 0, 1, 2  # what becomes of a nodal unknown
+
+
+class Equations:
+    """Numbers unknowns node by node: ``eq`` (node, column), -1 where fixed or absent.
+
+    Prescribed unknowns get numbers too (FEBio counts them in its norms); ``free`` (equation) is the row
+    in the matrix, or -1 where prescribed.
+    """
+
+    def __init__(self, active: NDArray[np.bool_], conditions: list[Fixed | Prescribed]) -> None:
+        kind = np.where(active, FREE, INACTIVE).astype(np.int8)
+        for c in conditions:
+            nodes = c.nodes[active[c.nodes, c.column]]
+            if isinstance(c, Fixed):
+                kind[nodes[kind[nodes, c.column] == FREE], c.column] = HELD
+            else:
+                kind[nodes, c.column] = GIVEN
+        self.kind = kind
+        numbered = (kind == FREE) | (kind == GIVEN)
+        self.eq = np.full(kind.shape, -1, np.int32)
+        self.eq[numbered] = np.arange(numbered.sum(), dtype=np.int32)
+        self.n = int(numbered.sum())
+        given = kind[numbered] == GIVEN
+        self.free = np.full(self.n, -1, np.int32)
+        self.free[~given] = np.arange((~given).sum(), dtype=np.int32)
+        self.rows = np.flatnonzero(~given)  # equation of each matrix row
+        self.given = np.flatnonzero(given)
+        self.column = np.broadcast_to(np.arange(kind.shape[1]), kind.shape)[numbered]
+        self.numbered = numbered
+        is_free = kind == FREE
+        self.size = is_free.sum(axis=1).astype(np.int32)
+        self.lead = np.zeros(len(kind), np.int32)
+        self.lead[1:] = np.cumsum(self.size)[:-1]
+
+
+class Pattern:
+    """Compressed rows of the tangent for groups of elements and extra node cliques (loads, contact)."""
+
+    def __init__(self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool) -> None:
+        self.eqs, self.symmetric = eqs, symmetric
+        self.eq, self.free, self.lead = eqs.eq, eqs.free, eqs.lead
+        nn = len(eqs.kind)
+        conn = self._stack([g.conn for g in groups] + [np.asarray(c, np.int32) for c in cliques])
+        ptr, elems = self._incidence(conn, nn)
+        first = np.zeros(nn + 1, np.int64)
+        kernels.node_graph(ptr, elems, conn, symmetric, first, True, np.empty(0, np.int32))
+        nbr = np.empty(first[-1], np.int32)
+        kernels.node_graph(ptr, elems, conn, symmetric, first, False, nbr)
+        self._first, self._nbr = first, nbr
+        self._rows(first, nbr, nn)
+        self._back: dict[int, NDArray[np.int32]] = {}
+
+    @staticmethod
+    def _stack(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
+        parts = [p for p in parts if len(p)]
+        width = max(p.shape[1] for p in parts)
+        if len(parts) == 1:
+            return parts[0]
+        out = np.full((sum(len(p) for p in parts), width), -1, np.int32)
+        row = 0
+        for p in parts:
+            out[row : row + len(p), : p.shape[1]] = p
+            row += len(p)
+        return out
+
+    @staticmethod
+    def _incidence(conn: NDArray[np.int32], nn: int) -> tuple[NDArray, NDArray]:
+        flat = conn.ravel()
+        keep = flat >= 0
+        elem = np.repeat(np.arange(len(conn), dtype=np.int32), conn.shape[1])[keep]
+        flat = flat[keep]
+        order = np.argsort(flat, kind="stable")
+        ptr = np.zeros(nn + 1, np.int64)
+        np.cumsum(np.bincount(flat, minlength=nn), out=ptr[1:])
+        return ptr, elem[order]
+
+    def _rows(self, first: NDArray, nbr: NDArray, nn: int) -> None:
+        size, lead = self.eqs.size, self.lead
+        per = size[nbr].astype(np.int64)
+        total = np.concatenate([[0], np.cumsum(per)])
+        node_len = total[first[1:]] - total[first[:-1]]
+        row_node = np.repeat(np.arange(nn), size)
+        length = node_len[row_node]
+        if self.symmetric:
+            length = length - (np.arange(len(row_node)) - lead[row_node])
+        indptr = np.concatenate([[0], np.cumsum(length)])
+        if indptr[-1] > np.iinfo(np.int32).max:
+            raise MemoryError("the tangent has more than 2^31 entries")
+        self.indptr = indptr.astype(np.int32)
+        self.indices = np.empty(indptr[-1], np.int32)
+        kernels.columns(first, nbr, lead, size, self.symmetric, self.indptr, self.indices)
+        end = np.repeat(total[first[1:]], np.diff(first))
+        self._tail = (end - total[:-1]).astype(np.int32)
+
+    def back(self, group: Group) -> NDArray[np.int32]:
+        """Offsets of a group's node pairs from the row ends."""
+        key = id(group)
+        if key not in self._back:
+            out = np.empty((group.m, group.n, group.n), np.int32)
+            kernels.pair_offsets(self._first, self._nbr, self._tail, group.conn, out)
+            self._back[key] = out
+        return self._back[key]
+
+    def matrix(self) -> Matrix:
+        """A zero matrix of this pattern (the pattern arrays are shared)."""
+        return Matrix(self.indptr, self.indices, np.zeros(len(self.indices)), self.symmetric)

@@ -1,0 +1,191 @@
+"""A boundary value problem as arrays: what :func:`febkit.solver.run` solves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .solids.base import Solid
+from .values import Constant, Value
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# nodal unknowns are columns of (node, column) arrays
+UX, UY, UZ, P = range(4)
+COLUMNS = ("x displacement", "y displacement", "z displacement", "fluid pressure")
+
+STATIC, STEADY, TRANSIENT, DYNAMIC = "static", "steady-state", "transient", "dynamic"
+
+
+@dataclass(eq=False)
+class Mixture:
+    """The fluid of a biphasic block: permeability, phi0 (referential solid volume fraction), supply."""
+
+    permeability: Any
+    phi0: Value = field(default_factory=lambda: Constant(0.0))
+    fluid_density: Value = field(default_factory=lambda: Constant(0.0))
+    supply: Any = None
+
+
+@dataclass
+class Augment:
+    """Augmented Lagrangian of a three-field block: relative tolerance, least and most augmentations."""
+
+    tolerance: float = 0.01
+    least: int = 0
+    most: int = 0
+
+
+@dataclass(eq=False)
+class Block:
+    """Elements of one type and material. ``conn`` (m, n) 0-based, ``ids`` (m,) labels for messages.
+
+    ``formulation``: "standard", or "three-field" (element-mean dilatation, for uncoupled solids).
+    ``axes`` (m, 3, 3) or (m, g, 3, 3): local material axes as columns, or None.
+    """
+
+    name: str
+    element: str
+    conn: Ints
+    ids: Ints
+    solid: Solid
+    mixture: Mixture | None = None
+    formulation: str = "standard"
+    axes: Floats | None = None
+    augment: Augment | None = None
+    rule: str | None = None
+
+
+@dataclass(eq=False)
+class Fixed:
+    """Holds one column at zero on nodes, where no earlier condition took the node."""
+
+    column: int
+    nodes: Ints
+
+
+@dataclass(eq=False)
+class Prescribed:
+    """Prescribes one column on nodes: ``value(t, X[nodes], index within nodes)``.
+
+    ``relative``: on top of the value at the start of the analysis step.
+    """
+
+    column: int
+    nodes: Ints
+    value: Value
+    relative: bool = False
+
+
+@dataclass(eq=False)
+class Initial:
+    """Initial value of a column, or of the velocity of a displacement column."""
+
+    column: int
+    nodes: Ints
+    value: Value
+    velocity: bool = False
+
+
+@dataclass
+class NewtonOptions:
+    """Nonlinear solve (FEBio user manual, Control section; FEBio's names in brackets).
+
+    method: "BFGS", "Broyden" or "full Newton" [qn_method]; updates: quasi-Newton updates between
+    reformations [max_ups]; dtol, etol, rtol, ptol: relative tolerances of displacement, energy, residual
+    norm, pressure (0: not tested).
+    """
+
+    method: str = "BFGS"
+    updates: int = 10
+    buffer: int = 0
+    cycle: bool = True
+    cmax: float = 1e5
+    dtol: float = 1e-3
+    etol: float = 1e-2
+    rtol: float = 0.0
+    ptol: float = 1e-2
+    max_reforms: int = 15
+    reform_each_step: bool = True
+    reform_augment: bool = False
+    diverge_reform: bool = True
+    min_residual: float = 1e-20
+    max_residual: float = 0.0
+    line_tolerance: float = 0.9
+    line_minimum: float = 0.01
+    line_iterations: int = 5
+    line_check_jacobians: bool = False
+    symmetric: bool | None = None  # None: wherever the tangent is
+    alpha: float = 1.0
+    beta: float = 0.25
+    gamma: float = 0.5
+    rho_inf: float = -2.0
+
+
+@dataclass
+class AutoStep:
+    """FEBio's time stepper [time_stepper]."""
+
+    max_retries: int = 5
+    optimal_iterations: int = 11
+    dtmin: float = 0.0
+    dtmax: float = 0.1
+    dtmax_curve: Any = None  # callable of t; its points are the must points
+    must_points: tuple[float, ...] = ()
+    repeat: bool = False
+    aggressive: bool = False
+    cutback: float = 0.5
+    force: bool = False
+
+
+@dataclass
+class Saving:
+    """Which states are handed to listeners [plot_level, plot_stride, plot_range, plot_zero_state]."""
+
+    level: str = "PLOT_MAJOR_ITRS"
+    stride: int = 1
+    range: tuple[int, int] = (0, -1)
+    zero: bool = False
+
+
+@dataclass(eq=False)
+class Step:
+    """One analysis step: conditions and loads that act during it, and how it is solved."""
+
+    name: str = ""
+    analysis: str = STATIC
+    dt: float = 0.1
+    count: int = 10  # steps of dt; the end time is count * dt
+    duration: float | None = None
+    auto: AutoStep | None = None
+    newton: NewtonOptions = field(default_factory=NewtonOptions)
+    saving: Saving = field(default_factory=Saving)
+    fixed: list[Fixed] = field(default_factory=list)
+    prescribed: list[Prescribed] = field(default_factory=list)
+    conditions: list[Fixed | Prescribed] = field(default_factory=list)
+    initial: list[Initial] = field(default_factory=list)
+    loads: list[Any] = field(default_factory=list)
+    body_loads: list[Any] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class Problem:
+    """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step."""
+
+    X: Floats
+    blocks: list[Block]
+    steps: list[Step]
+    common: Step = field(default_factory=Step)
+    node_ids: Ints | None = None
+
+    def __post_init__(self) -> None:
+        self.X = np.ascontiguousarray(self.X, dtype=float)
+
+    @property
+    def biphasic(self) -> bool:
+        """True where some block has a pressure unknown."""
+        return any(b.mixture is not None for b in self.blocks)

@@ -1,0 +1,157 @@
+"""Quasi-Newton updates of a factored tangent.
+
+BFGS: Matthies and Strang, Int J Numer Meth Engng 14 (1979), in product form as FEBio uses it (theory
+manual, "The BFGS method"). Broyden: Engelman, Strang and Bathe, Int J Numer Meth Engng 17 (1981).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .problem import NewtonOptions
+
+Floats = NDArray[np.float64]
+Back = Callable[[Floats], Floats]  # solve with the factored tangent
+
+
+class Update(Protocol):
+    count: int
+
+    def reset(self) -> None: ...
+
+    def begin(self) -> None: ...
+
+    def solve(self, b: Floats) -> Floats: ...
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool: ...
+
+
+class FullNewton:
+    """No updates: the tangent is renewed in every iteration."""
+
+    def __init__(self, back: Back, options: NewtonOptions) -> None:
+        self.back, self.count = back, 0
+
+    def reset(self) -> None:
+        self.count = 0
+
+    def begin(self) -> None:
+        pass
+
+    def solve(self, b: Floats) -> Floats:
+        return self.back(b)
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
+        return False
+
+
+class _Buffered:
+    def __init__(self, back: Back, options: NewtonOptions) -> None:
+        self.back, self.most, self.cycle, self.cmax = back, options.updates, options.cycle, options.cmax
+        self.size = options.buffer or options.updates
+        self.count = 0
+        self._a: list[Floats] = []
+        self._b: list[Floats] = []
+
+    def reset(self) -> None:
+        self.count = 0
+        self._a.clear()
+        self._b.clear()
+
+    def begin(self) -> None:
+        pass
+
+    def _keep(self, a: Floats, b: Floats) -> None:
+        if len(self._a) < self.size:
+            self._a.append(a)
+            self._b.append(b)
+        elif self.cycle:
+            self._a[:] = [*self._a[1:], a]
+            self._b[:] = [*self._b[1:], b]
+
+
+class BFGS(_Buffered):
+    """K^-1 = prod (I + w v^T) K0^-1 prod (I + v w^T)."""
+
+    def solve(self, b: Floats) -> Floats:
+        t = b.copy()
+        for v, w in zip(reversed(self._a), reversed(self._b)):
+            t += v * (w @ t)
+        x = self.back(t)
+        for v, w in zip(self._a, self._b):
+            x += w * (v @ x)
+        return x
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
+        if self.count >= self.most - 1:
+            return False
+        d, g, h = s * u, R0 - R1, s * R0
+        dg, dh = float(d @ g), float(d @ h)
+        if dg == 0.0 or dh == 0.0:
+            return False
+        c = np.sqrt(abs(dg / dh))
+        if not c <= self.cmax:
+            return False
+        self._keep(-c * h - g, d / dg)
+        self.count += 1
+        return True
+
+
+class Broyden(_Buffered):
+    """Rank-one updates of the inverse, one solve with the factored tangent per iteration."""
+
+    def __init__(self, back: Back, options: NewtonOptions) -> None:
+        super().__init__(back, options)
+        self._rho: list[float] = []
+        self._q: Floats | None = None
+        self._fresh = True
+
+    def reset(self) -> None:
+        super().reset()
+        self._rho.clear()
+
+    def begin(self) -> None:
+        self._fresh = True
+
+    def _apply(self, q: Floats, k: int) -> Floats:
+        for r, d, rho in zip(self._a[:k], self._b[:k], self._rho[:k]):
+            q += rho * (d @ q) * (d - r)
+        return q
+
+    def solve(self, b: Floats) -> Floats:
+        if self.count == 0:
+            self._fresh = False
+            return self.back(b)
+        k = len(self._a) - 1
+        if self._fresh or self._q is None:
+            self._q = self._apply(self.back(b), k)
+            self._fresh = False
+        r, d, rho = self._a[k], self._b[k], self._rho[k]
+        return self._q + rho * float(d @ self._q) * (d - r)
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
+        if self.count >= self.most - 1:
+            return False
+        k = len(self._a) if len(self._a) < self.size else self.size - 1
+        if len(self._a) == self.size and self.cycle:
+            self._rho.pop(0)
+            keep = slice(1, None)
+            self._a[:], self._b[:] = self._a[keep], self._b[keep]
+        q = self._apply(self.back(R1), k)
+        self._q = q
+        r, d = q - u, -s * u
+        rd = float(d @ r)
+        if rd == 0.0:
+            return False
+        self._a.append(r)
+        self._b.append(d)
+        self._rho.append(1.0 / rd)
+        self.count += 1
+        return True
+
+
+METHODS = {"BFGS": BFGS, "Broyden": Broyden, "full Newton": FullNewton}

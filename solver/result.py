@@ -1,0 +1,33 @@
+"""What a run hands back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .state import State
+
+
+@dataclass
+class Totals:
+    """Work done: time steps, Newton iterations, residuals, reformations, retries, seconds by part."""
+
+    steps: int = 0
+    iterations: int = 0
+    residuals: int = 0
+    reforms: int = 0
+    retries: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    linear_solver: str = ""
+    factor: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
+class Result:
+    """``converged``, or not and ``reason`` in a sentence; the final state, the times of saved states."""
+
+    converged: bool
+    reason: str
+    state: State
+    totals: Totals
+    times: list[float]
+    interrupted: bool = False

@@ -1,0 +1,262 @@
+"""The loop: analysis steps, time steps, retries; listeners are told of all of it."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .group import Group, NegativeJacobian
+from .linear.base import LinearError
+from .linear.choose import choose
+from .newton import Counts, Iteration, Newton, NotConverged
+from .problem import Problem, Step
+from .result import Result, Totals
+from .saving import wanted
+from .state import State
+from .stepping import FixedSteps, stepper
+from .system import System
+from .threads import Team
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+
+@dataclass
+class Options:
+    """threads 0: all processors this process may use; linear: auto, pardiso, superlu or dense."""
+
+    threads: int = 0
+    linear: str = "auto"
+
+
+class Listener:
+    """Told what happens; override what matters. The solver itself writes nothing."""
+
+    def start(self, run: Run) -> None: ...
+
+    def begin_analysis(self, run: Run) -> None: ...
+
+    def begin_step(self, run: Run, number: int, time: float) -> None: ...
+
+    def iteration(self, run: Run, it: Iteration) -> None: ...
+
+    def converged(self, run: Run, counts: Counts) -> None: ...
+
+    def failed(self, run: Run, reason: str, again: float | None) -> None: ...
+
+    def save(self, run: Run, status: int) -> None: ...
+
+    def end(self, run: Run, result: Result) -> None: ...
+
+
+class Run:
+    """One run of a problem: its state, groups and totals, for listeners to look at."""
+
+    def __init__(self, problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> None:
+        self.problem, self.listeners, self.options = problem, list(listeners), options or Options()
+        self.team = Team(self.options.threads)
+        self.state = State.at_rest(problem)
+        self.groups: list[Group] = []
+        self.totals = Totals()
+        self.times: list[float] = []
+        self.index = 0
+        self.system: System | None = None
+        self.stepper: FixedSteps | None = None
+        self._saved_at = -1
+
+    @property
+    def step(self) -> Step:
+        return self.problem.steps[self.index]
+
+    def tell(self, event: str, *args: object) -> None:
+        for listener in self.listeners:
+            getattr(listener, event)(self, *args)
+
+    @contextmanager
+    def timed(self, part: str) -> Iterator[None]:
+        t = perf_counter()
+        try:
+            yield
+        finally:
+            self.totals.seconds[part] = self.totals.seconds.get(part, 0.0) + perf_counter() - t
+
+    # ---- the loop ---------------------------------------------------------------------------------
+    def solve(self) -> Result:
+        """Run all steps. Failure and interruption end cleanly: what was saved stays."""
+        t0 = perf_counter()
+        reason, interrupted = "", False
+        try:
+            self._set_up()
+            for self.index in range(len(self.problem.steps)):
+                reason = self._analysis()
+                if reason:
+                    break
+            if not reason:
+                self._save("solved")
+        except KeyboardInterrupt:
+            reason, interrupted = f"interrupted at time {self.state.time:g}", True
+        except NegativeJacobian as e:
+            reason = str(e)
+        self.totals.seconds["total"] = perf_counter() - t0
+        result = Result(not reason, reason, self.state, self.totals, self.times, interrupted)
+        self.tell("end", result)
+        self.team.close()
+        return result
+
+    def _set_up(self) -> None:
+        self.groups = [Group(b, self.problem.X, self.team) for b in self.problem.blocks]
+        self._initial(self.problem.common)
+        self.tell("start")
+        if len(self.problem.steps) == 1:
+            self._first_state()
+
+    def _initial(self, step: Step) -> None:
+        s = self.state
+        for c in step.initial:
+            v = c.value(s.time, s.X[c.nodes], np.arange(len(c.nodes)))
+            if c.velocity:
+                s.velocity[c.nodes, c.column] = v
+            else:
+                s.d[c.nodes, c.column] = v
+
+    def _first_state(self) -> None:
+        step = self.problem.steps[0]
+        if step.saving.level == "PLOT_NEVER":
+            return
+        if step.auto is not None or step.saving.range[0] == 0 or step.saving.zero:
+            for g in self.groups:
+                if g.block.mixture is not None:
+                    g.update(self.state, self.state.x, [])
+            self._hand_over(0)
+
+    def _analysis(self) -> str:
+        """One analysis step; returns why it failed, or nothing."""
+        step, s = self.step, self.state
+        self._initial(step)
+        if self.index == 0 and len(self.problem.steps) > 1:
+            self._first_state()
+        self.system = System(self.problem, step, self.groups, s, self.team)
+        solver = choose(self.options.linear, len(self.system.eqs.rows), self.team.n)
+        self.totals.linear_solver = solver.name
+        newton = Newton(self.system, solver, lambda it: self.tell("iteration", it))
+        self.stepper = stepper(step, s.time)
+        self.stepper.first(s.time)
+        self.count = 0
+        self.tell("begin_analysis")
+        if self.system.dynamic:
+            self._initial_acceleration()
+        try:
+            while self.stepper.end - s.time > abs(self.stepper.end) * 1e-7:
+                reason = self._time_step(newton)
+                if reason:
+                    return reason
+        finally:
+            self.totals.factor = dict(solver.stats)
+            solver.close()
+        self._save("step")
+        return ""
+
+    def _initial_acceleration(self) -> None:
+        """a0 = M^-1 f where external forces act at the start (FEBio's InitAccelerations)."""
+        system = self.system
+        assert system is not None
+        if self.state.time != 0.0:
+            return
+        f = np.zeros_like(self.state.d)
+        for load in [*system.loads]:
+            load.residual(self.state, f)
+        for load in system.body_loads:
+            load.residual(self.state, self.groups, f)
+        free = system.eqs.kind[:, :3] == 0
+        if not np.any(f[:, :3][free]):
+            return
+        from scipy.sparse.linalg import spsolve
+
+        M = system.mass.tocsr()
+        for i in range(3):
+            rows = np.flatnonzero(free[:, i])
+            self.state.acceleration[rows, i] = spsolve(M[rows][:, rows].tocsc(), f[rows, i])
+
+    def _time_step(self, newton: Newton) -> str:
+        s, step = self.state, self.stepper
+        assert step is not None and self.system is not None
+        saved = s.copy(), [g.snapshot() for g in self.groups], newton.total.copy()
+        while True:
+            t = min(s.time + step.dt, step.end)
+            s.dt, s.time = (t - s.time, t)
+            if abs(step.end - t) < 1e-14 * abs(step.end):
+                s.time = step.end
+            self.tell("begin_step", self.count + 1, t)
+            self._prepare()
+            try:
+                counts = newton.step()
+            except (NotConverged, NegativeJacobian, LinearError) as e:
+                counts, why = newton.count, str(e)
+                self._add(counts)
+                self._restore(saved, newton)
+                fatal = isinstance(e, LinearError) or not step.retry()
+                self.tell("failed", why, None if fatal else step.dt)
+                if fatal:
+                    return f"{why}, at time {t:g}"
+                self.totals.retries += 1
+                newton.force_reform = True
+                continue
+            self._add(counts)
+            self.count += 1
+            self.totals.steps += 1
+            self.tell("converged", counts)
+            self._save("major")
+            step.accept(s.time, counts.iterations)
+            return ""
+
+    def _prepare(self) -> None:
+        """The present state becomes the last converged one (FEBio's PrepStep)."""
+        s, system = self.state, self.system
+        assert system is not None
+        s.d_old = s.d.copy()
+        s.velocity_old, s.acceleration_old = s.velocity.copy(), s.acceleration.copy()
+        if system.dynamic:
+            s.acceleration = s.acceleration_old * (1 - 0.5 / system.beta) - s.velocity_old / (system.beta * s.dt)
+            s.velocity = s.velocity_old + s.dt * (
+                system.gamma * s.acceleration + (1 - system.gamma) * s.acceleration_old
+            )
+        for load in [*system.loads, *system.body_loads]:
+            if hasattr(load, "begin_step"):
+                load.begin_step(s)
+        for g in self.groups:
+            g.begin_step(s)
+
+    def _restore(self, saved: tuple, newton: Newton) -> None:
+        old, groups, total = saved
+        for name, value in vars(old.copy()).items():
+            setattr(self.state, name, value)
+        for g, q in zip(self.groups, groups):
+            g.restore(q)
+        newton.total = total.copy()
+
+    def _add(self, c: Counts) -> None:
+        t = self.totals
+        t.iterations += c.iterations
+        t.residuals += c.residuals
+        t.reforms += c.total_reforms
+
+    # ---- saving -----------------------------------------------------------------------------------
+    def _save(self, event: str) -> None:
+        must = self.stepper is not None and self.stepper.at_must_point
+        if wanted(self.step, event, getattr(self, "count", 0), must) and self._saved_at != self.totals.steps:
+            self._hand_over(0 if event == "major" else 2)
+
+    def _hand_over(self, status: int) -> None:
+        self._saved_at = self.totals.steps
+        self.times.append(self.state.time)
+        with self.timed("output"):
+            self.tell("save", status)
+
+
+def run(problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> Result:
+    """Solve a problem; listeners are told of iterations, steps and states to save."""
+    return Run(problem, listeners, options).solve()

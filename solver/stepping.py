@@ -1,0 +1,122 @@
+"""Step sizes: fixed, or FEBio's time stepper with must points and retries (user manual, time_stepper)."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from .problem import AutoStep, Step
+
+
+class FixedSteps:
+    """``count`` steps of ``dt``."""
+
+    def __init__(self, step: Step, start: float) -> None:
+        self.dt = step.dt
+        self.end = start + (step.dt * step.count if step.duration is None else step.duration)
+        self.at_must_point = False
+
+    def first(self, t: float) -> None:
+        pass
+
+    def accept(self, t: float, iterations: int) -> None:
+        """The step to ``t`` converged in so many iterations."""
+
+    def retry(self) -> bool:
+        """Make the step smaller; False where it may not be."""
+        return False
+
+
+class AutoSteps(FixedSteps):
+    """Grows and shrinks with the iterations a step took, and never steps over a must point.
+
+    After a step of N iterations with optimum M, r = sqrt(M / N): dt grows towards dtmax by
+    min(0.2, r - 1) of the gap where r >= 1, else shrinks towards dtmin by 1 - r of it.
+    """
+
+    def __init__(self, step: Step, start: float, auto: AutoStep) -> None:
+        super().__init__(step, start)
+        self.auto = auto
+        self._base = step.dt  # size before must points cut it
+        self._retries = 0
+        self._cut = 0.0
+        self._next = -1
+        self._offset = 0.0
+        self._must = -1
+
+    def first(self, t: float) -> None:
+        self._size(t, 0)
+
+    def accept(self, t: float, iterations: int) -> None:
+        self._retries = 0
+        if t + self.end * 1e-7 < self.end:
+            self._size(t, iterations)
+
+    def _limit(self, t: float) -> float:
+        return float(self.auto.dtmax_curve(t)) if self.auto.dtmax_curve is not None else self.auto.dtmax
+
+    def _size(self, t: float, iterations: int) -> None:
+        a, dtmax = self.auto, self._limit(t)
+        dt = max(self._base, a.dtmin)
+        if a.force:
+            dt = dtmax
+        elif iterations > 0:
+            r = sqrt(a.optimal_iterations / iterations)
+            if r >= 1:
+                dt = min(dt + (dtmax - dt) * min(0.2, r - 1), 5.0 * self._base)
+            else:
+                dt -= (dt - a.dtmin) * (1 - r)
+                dt = max(dt, a.dtmin) if a.dtmin > 0 else dt
+            dt = min(dt, dtmax) if dtmax > 0 else dt
+        else:
+            dt = max(dt, a.dtmin) if a.dtmin > 0 else dt
+            dt = min(dt, dtmax) if dtmax > 0 else dt
+        self._base = dt
+        dt = self._before_must_point(t, dt)
+        self.dt = min(dt, self.end - t)
+        self.at_must_point = self._must >= 0
+
+    def _before_must_point(self, t: float, dt: float) -> float:
+        points, a = self.auto.must_points, self.auto
+        self._must = -1
+        if not points:
+            return dt
+        eps = self.end * 1e-12
+        if self._next >= len(points):
+            if not a.repeat:
+                return dt
+            self._offset += points[-1]
+            self._next = -1
+        if self._next < 0:
+            self._next = 0
+            while points[self._next] + self._offset < t + eps:
+                self._next += 1
+                if self._next >= len(points):
+                    if not a.repeat:
+                        return dt
+                    self._next = 0
+                    self._offset += points[-1]
+        must = points[self._next] + self._offset
+        if must < t + dt + eps:
+            self._must = self._next
+            self._next += 1
+            return must - t
+        return dt
+
+    def retry(self) -> bool:
+        a = self.auto
+        if self._retries >= a.max_retries:
+            return False
+        if self._retries == 0:
+            self._cut = self.dt / (a.max_retries + 1)
+        self.dt = self.dt * a.cutback if a.aggressive else self.dt - self._cut
+        self._retries += 1
+        if self._must >= 0:
+            self._next -= 1
+            self._must = -1
+        self._base = self.dt
+        self.at_must_point = False
+        return self.dt > 0
+
+
+def stepper(step: Step, start: float) -> FixedSteps:
+    return FixedSteps(step, start) if step.auto is None else AutoSteps(step, start, step.auto)

@@ -1,0 +1,213 @@
+"""Residual and tangent of one analysis step over all groups, loads and conditions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .group import Group
+from .kernels.pattern import scatter_any
+from .linear.base import Matrix
+from .pattern import Equations, Pattern
+from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
+from .state import State
+from .threads import Team
+
+Floats = NDArray[np.float64]
+
+
+class System:
+    """The equations of one analysis step.
+
+    Vectors over equations hold free and prescribed unknowns alike, node by node; a prescribed entry of
+    a residual is zero, of an increment the increment asked for (so FEBio counts them in its norms).
+    """
+
+    def __init__(self, problem: Problem, step: Step, groups: list[Group], state: State, team: Team) -> None:
+        self.problem, self.step, self.groups, self.state, self.team = problem, step, groups, state, team
+        self.conditions = [*problem.common.conditions, *step.conditions]
+        self.loads = [*problem.common.loads, *step.loads]
+        self.body_loads = [*problem.common.body_loads, *step.body_loads]
+        self.eqs = Equations(self._active(), self.conditions)
+        self.dynamic = step.analysis == DYNAMIC
+        self.steady = step.analysis == STEADY
+        self._begin_conditions()
+        self.symmetric = self._symmetric()
+        self._pattern: Pattern | None = None
+        self._R = [np.zeros_like(state.d) for _ in range(team.n)]
+        self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
+        self._mass: Any = None
+
+    def _active(self) -> NDArray[np.bool_]:
+        active = np.zeros(self.state.d.shape, bool)
+        for g in self.groups:
+            nodes = np.unique(g.conn)
+            active[nodes, : g.columns] = True
+        return active
+
+    def _begin_conditions(self) -> None:
+        """Fixed unknowns go to zero; relative conditions remember where they start."""
+        self.state.d[self.eqs.kind == 1] = 0.0
+        self._start = [
+            self.state.d[c.nodes, c.column].copy() if isinstance(c, Prescribed) and c.relative else None
+            for c in self.conditions
+        ]
+
+    def _symmetric(self) -> bool:
+        asked = self.step.newton.symmetric
+        if asked:
+            return True
+        own = all(
+            g.block.solid.symmetric
+            and (g.block.mixture is None or self._fluid_symmetric(g.block.mixture))
+            for g in self.groups
+        )
+        return own and not self.steady and all(getattr(q, "symmetric", True) for q in [*self.loads, *self.body_loads])
+
+    @staticmethod
+    def _fluid_symmetric(mixture: Any) -> bool:
+        return not mixture.permeability.strain_dependent and mixture.supply is None
+
+    def _integrator(self) -> tuple[float, float, float, float]:
+        """Newmark / generalised-alpha parameters (FEBio user manual, rhoi, alpha, beta, gamma)."""
+        o = self.step.newton
+        if not self.dynamic:
+            return 1.0, 1.0, o.beta, o.gamma
+        if o.rho_inf == -1:
+            af = am = 1.0
+        elif 0 <= o.rho_inf <= 1:
+            af, am = 1 / (1 + o.rho_inf), (2 - o.rho_inf) / (1 + o.rho_inf)
+        else:
+            return o.alpha, o.alpha, o.beta, o.gamma
+        return af, am, (1 + am - af) ** 2 / 4, 0.5 + am - af
+
+    @property
+    def pattern(self) -> Pattern:
+        if self._pattern is None:
+            cliques = [q for load in self.loads for q in load.cliques()]
+            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric)
+            self._matrix = self._pattern.matrix()
+        return self._pattern
+
+    # ---- values -----------------------------------------------------------------------------------
+    def targets(self, t: float) -> Floats:
+        """Values (node, column) that prescribed unknowns take at time t; NaN elsewhere."""
+        out = np.full(self.state.d.shape, np.nan)
+        for c, start in zip(self.conditions, self._start):
+            if isinstance(c, Prescribed):
+                v = c.value(t, self.state.X[c.nodes], np.arange(len(c.nodes)))
+                out[c.nodes, c.column] = v if start is None else v + start
+        out[self.eqs.kind != 2] = np.nan
+        return out
+
+    def gather(self, nodal: Floats) -> Floats:
+        return nodal[self.eqs.numbered]
+
+    def spread(self, vector: Floats, into: Floats) -> None:
+        """Write the free entries of an equation vector to a nodal array."""
+        into[self.eqs.numbered & (self.eqs.kind == 0)] = vector[self.eqs.rows]
+
+    # ---- state ------------------------------------------------------------------------------------
+    def set(self, total: Floats, target: Floats) -> None:
+        """Move the state to free unknowns ``total`` and prescribed values ``target``; update stresses."""
+        s = self.state
+        self.spread(total, s.d)
+        given = self.eqs.kind == 2
+        s.d[given] = target[given]
+        self._rates()
+        self.update()
+
+    def _rates(self) -> None:
+        s = self.state
+        du = s.d[:, :3] - s.d_old[:, :3]
+        if self.dynamic:
+            a = 1.0 / (self.beta * s.dt)
+            s.acceleration = du * (a / s.dt) - s.velocity_old * a + s.acceleration_old * (1 - 0.5 / self.beta)
+            s.velocity = s.velocity_old + s.dt * (
+                (1 - self.gamma) * s.acceleration_old + self.gamma * s.acceleration
+            )
+        elif s.p is not None and s.dt > 0:
+            s.velocity = du / s.dt
+
+    def update(self) -> None:
+        """Kinematics, stresses and fluxes at the present state."""
+        s = self.state
+        x = s.X + (s.d[:, :3] if self.alphaf == 1.0 else self.alphaf * s.d[:, :3] + (1 - self.alphaf) * s.d_old[:, :3])
+        drive = [b for b in self.body_loads if hasattr(b, "force")]
+        for g in self.groups:
+            g.update(s, x, drive)
+
+    # ---- residual ---------------------------------------------------------------------------------
+    def residual(self) -> Floats:
+        """External minus internal forces over the equations (zero where prescribed)."""
+        s = self.state
+        for R in self._R:
+            R[:] = 0.0
+        for g in self.groups:
+            g.residual(s, self._R, self.steady)
+        total = self._R[0]
+        for R in self._R[1:]:
+            total += R
+        s.reaction = -total[:, :3].copy()
+        for load in self.loads:
+            load.residual(s, total)
+        for load in self.body_loads:
+            load.residual(s, self.groups, total)
+        if self.dynamic:
+            self._inertia(total)
+        out = self.gather(total)
+        out[self.eqs.given] = 0.0
+        return out
+
+    def _inertia(self, total: Floats) -> None:
+        s = self.state
+        a = self.alpham * s.acceleration + (1 - self.alpham) * s.acceleration_old
+        total[:, :3] -= self.mass @ a
+
+    @property
+    def mass(self) -> Any:
+        """Consistent mass (node, node), referential density; one number per node pair."""
+        if self._mass is None:
+            from .mass import assemble
+
+            self._mass = assemble(self.groups, len(self.state.X))
+        return self._mass
+
+    # ---- tangent ----------------------------------------------------------------------------------
+    def tangent(self, step: Floats) -> tuple[Matrix, Floats]:
+        """The tangent, and minus its prescribed columns times the increments ``step`` (equations)."""
+        pat = self.pattern
+        A, Fd = self._matrix, np.zeros(self.eqs.n)
+        A.data[:] = 0.0
+        for g in self.groups:
+            g.tangent(self.state, pat, A.data, step, Fd, self.steady)
+        if self.alphaf != 1.0:
+            A.data *= self.alphaf
+            Fd *= self.alphaf
+        for load in [*self.loads, *self.body_loads]:
+            for K, nodes, columns in load.stiffness(self.state, self.groups):
+                self._add(A, K, nodes, columns, step, Fd)
+        if self.dynamic:
+            self._add_mass(A, step, Fd)
+        Fd[self.eqs.given] = step[self.eqs.given]
+        return A, Fd
+
+    def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:
+        """Add matrices K (m, d, d) whose row k is unknown (nodes[:, k], columns[k])."""
+        dofs = np.ascontiguousarray(self.eqs.eq[nodes, columns], dtype=np.int32)
+        scatter_any(
+            np.ascontiguousarray(K), dofs, self.eqs.free, A.indptr, A.indices, A.data, step, Fd, A.symmetric
+        )
+
+    def _add_mass(self, A: Matrix, step: Floats, Fd: Floats) -> None:
+        from .mass import elements
+
+        s = self.state
+        scale = self.alpham / (self.beta * s.dt**2)
+        for g in self.groups:
+            M = elements(g) * scale
+            n = g.n
+            for i in range(3):
+                self._add(A, M, g.conn, np.full(n, i), step, Fd)

@@ -1,0 +1,43 @@
+"""Element loops on a pool of threads. Kernels release the GIL, so plain threads suffice."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def available() -> int:
+    """Processors this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:
+        return os.cpu_count() or 1
+
+
+class Team:
+    """``n`` threads, the caller's one among them; ``n = 1`` starts none."""
+
+    def __init__(self, n: int = 0) -> None:
+        self.n = n or available()
+        self._pool = ThreadPoolExecutor(self.n - 1, "febkit") if self.n > 1 else None
+
+    def ranges(self, m: int, least: int = 64) -> list[tuple[int, int]]:
+        """Split ``m`` items into at most n contiguous ranges of ``least`` items or more."""
+        k = max(1, min(self.n, m // least))
+        cut = [m * i // k for i in range(k + 1)]
+        return list(zip(cut[:-1], cut[1:]))
+
+    def map(self, work: Callable[[int], T], k: int) -> list[T]:
+        """``[work(0), ..., work(k - 1)]``, item 0 on the calling thread."""
+        if k == 1 or self._pool is None:
+            return [work(i) for i in range(k)]
+        later = [self._pool.submit(work, i) for i in range(1, k)]
+        return [work(0), *[f.result() for f in later]]
+
+    def close(self) -> None:
+        if self._pool is not None:
+            self._pool.shutdown()
