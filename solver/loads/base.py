@@ -1,0 +1,162 @@
+"""What a load is: something that adds external forces to the nodes and may add to the tangent.
+
+A load has ``residual(state, R)``, which adds its forces to R (node, column); ``stiffness(state, groups)``,
+which gives minus the derivative of these as triples (K, nodes, columns): K (m, d, d), its row k being
+the unknown in column ``columns[k]`` of node ``nodes[:, k]``; ``cliques()``, the nodes (m, n) that these
+matrices couple; and ``symmetric``. A body load has ``residual(state, groups, R)`` instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import elements
+from ..kernels.surface import add_vectors
+from ..values import Value, as_value
+
+if TYPE_CHECKING:
+    from ..state import State
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Number = Value | float
+Vector = Sequence[Number]  # three numbers, each a value
+Matrices = list[tuple[Floats, Ints, Ints]]
+
+#: columns of nodal arrays; those of the bottom (back) faces of shells come after the others
+COLUMN = {"x": 0, "y": 1, "z": 2, "p": 3, "sx": 4, "sy": 5, "sz": 6, "q": 7}
+BOTTOM = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Patch:
+    """Facets of one type: nodes, the facet element, and where its points lie in the reference.
+
+    ``items`` (f g,) are rows of the surface that a map of values is given on.
+    """
+
+    conn: Ints
+    element: elements.Element
+    points: Floats  # (f g, 3)
+    items: Ints
+
+    @classmethod
+    def of(
+        cls, kind: str, conn: Ints, X: Floats, items: Ints | None = None, rule: str | None = None
+    ) -> Patch:
+        """Facets of type ``kind`` ("quad4") with nodes ``conn`` at reference positions ``X`` (node, 3)."""
+        e = elements.get(kind, rule)
+        conn = np.ascontiguousarray(conn, dtype=np.int64)
+        points = np.einsum("ga,fai->fgi", e.N, X[conn]).reshape(-1, 3)
+        items = np.arange(len(conn)) if items is None else np.asarray(items)
+        return cls(conn, e, points, np.repeat(items, e.npoints))
+
+    @property
+    def geometry(self) -> tuple[Ints, Floats, Floats, Floats]:
+        return self.conn, self.element.N, self.element.dN, self.element.weights
+
+
+def patches(
+    facets: dict[str, Ints], X: Floats, order: dict[str, Ints] | None = None,
+    rules: dict[str, str] | None = None,
+) -> tuple[Patch, ...]:
+    """Patches of a surface given as facet type -> (facet, node).
+
+    ``order``: type -> row of each facet in the surface; ``rules``: type -> integration rule.
+    """
+    rows, rules = order or {}, rules or {}
+    return tuple(Patch.of(k, c, X, rows.get(k), rules.get(k)) for k, c in facets.items() if len(c))
+
+
+def scalar(v: Value, t: float, patch: Patch) -> Floats:
+    """A value at the points of a patch: (1,) or (f g,)."""
+    return np.ascontiguousarray(v(t, patch.points, patch.items), dtype=float)
+
+
+def vector(v: Sequence[Value], t: float, X: Floats, items: Ints) -> Floats:
+    """Three values at points: (1|n, 3)."""
+    parts = [x(t, X, items) for x in v]
+    out = np.empty((max(len(c) for c in parts), 3))
+    for i, c in enumerate(parts):
+        out[:, i] = c
+    return out
+
+
+def as_vector(v: Vector) -> tuple[Value, ...]:
+    if len(v) != 3:
+        raise ValueError(f"a vector has 3 components, not {len(v)}")
+    return tuple(as_value(x) for x in v)
+
+
+@dataclass(eq=False)
+class SurfaceLoad:
+    """A load on facets. ``shell_bottom`` puts it on the bottom faces of shells, whose normals point inward.
+
+    There, positions are ``state.extra["bottom"]`` (node, 3) plus the columns of the bottom faces.
+    """
+
+    surface: tuple[Patch, ...]
+    shell_bottom: bool = field(default=False, kw_only=True)
+    parameters: ClassVar[tuple[str, ...]] = ()
+    vectors: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        for name in self.parameters:
+            v: Any = getattr(self, name)
+            setattr(self, name, as_vector(v) if name in self.vectors else as_value(v))
+
+    @property
+    def symmetric(self) -> bool:
+        """True where the load's part of the tangent is symmetric, or absent."""
+        return True
+
+    @property
+    def tangent(self) -> bool:
+        """True where the load adds to the tangent."""
+        return False
+
+    def cliques(self) -> list[Ints]:
+        return [p.conn for p in self.surface] if self.tangent else []
+
+    @property
+    def first(self) -> int:
+        """The first column of the side the load is on."""
+        return BOTTOM if self.shell_bottom else 0
+
+    @property
+    def sign(self) -> float:
+        return -1.0 if self.shell_bottom else 1.0
+
+    def positions(self, state: State, reference: bool = False) -> Floats:
+        """Nodal positions (node, 3) of the side the load is on."""
+        X = state.extra["bottom"] if self.shell_bottom else state.X
+        return X if reference else X + state.d[:, self.first : self.first + 3]
+
+    def pressure_of(self, state: State) -> Floats | None:
+        """Nodal fluid pressure (node,), or None where the model has none."""
+        column = self.first + 3
+        return state.d[:, column] if state.d.shape[1] > column else None
+
+    def add(self, patch: Patch, f: Floats, R: Floats) -> None:
+        """Add facet forces f (f, n, 3) to R."""
+        add_vectors(patch.conn, f, R, self.first)
+
+    def matrices(self, patch: Patch, fields: int = 3) -> tuple[Floats, Ints, Ints]:
+        """Zero matrices of a patch with their unknowns, component by component.
+
+        ``fields``: 3 for the displacements, 4 for these and the pressure.
+        """
+        n = patch.conn.shape[1]
+        columns = np.repeat(np.arange(self.first, self.first + fields), n)
+        return np.zeros((len(patch.conn), fields * n, fields * n)), np.tile(patch.conn, (1, fields)), columns
+
+    def residual(self, state: State, R: Floats) -> None:
+        raise NotImplementedError
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        return []

@@ -1,0 +1,111 @@
+"""What a body load is: an acceleration of the mass of some blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..kernels import body as kernels
+from ..points import Points
+from .base import Floats, Ints, Matrices
+
+if TYPE_CHECKING:
+    from ..state import State
+
+Group = Any  # febkit.solver.group.Group: one block of elements at work
+
+
+@dataclass(eq=False)
+class BodyLoad:
+    """R += int N rho a over the reference volume; rho follows the fluid content in biphasic blocks.
+
+    FEBio gives body forces the opposite sign: its "force" f means a = -f. ``blocks`` names the blocks
+    acted on, None all; ``elements`` block -> element indices, where not all of the block.
+    """
+
+    blocks: tuple[str, ...] | None = field(default=None, kw_only=True)
+    elements: dict[str, Ints] = field(default_factory=dict, kw_only=True)
+    symmetric: ClassVar[bool] = True
+    moves: ClassVar[bool] = False  # the acceleration depends on the motion
+
+    def acceleration(self, state: State, group: Group) -> Floats:
+        """Acceleration (1|n, 3) at the points of a group."""
+        raise NotImplementedError
+
+    def gradient(self, state: State, group: Group, rate: float) -> Floats:
+        """da/du (1|n, 3, 3) with dv/du = ``rate``."""
+        raise NotImplementedError
+
+    def cliques(self) -> list[Ints]:
+        return []
+
+    def _acts(self, group: Group) -> bool:
+        return self.blocks is None or group.block.name in self.blocks
+
+    def _mass(self, group: Group) -> tuple[Floats, Floats | None]:
+        """Mass (m, g) at the points, and in biphasic blocks the fluid's part of it that comes with volume.
+
+        rho = phi0 rho_s + (J - phi0) rho_w, the pores closing at J = phi0.
+        """
+        pts, mix, shape = group.points(), group.block.mixture, (group.m, group.g)
+        w = np.zeros(shape)
+        rows = self.elements.get(group.block.name, slice(None))
+        w[rows] = group.wJ0[rows]
+        solid = np.broadcast_to(group.block.solid.density(pts), group.m * group.g).reshape(shape)
+        if mix is None:
+            return w * solid, None
+        phi0 = np.broadcast_to(mix.phi0(pts.t, pts.X, pts.e), group.m * group.g).reshape(shape)
+        fluid = np.broadcast_to(mix.fluid_density(pts.t, pts.X, pts.e), group.m * group.g).reshape(shape)
+        pores = np.maximum(group.J - phi0, 0.0)
+        grows = np.where(pores > 0, fluid, solid)
+        return w * (solid * (group.J - pores) + fluid * pores), w * grows * group.J
+
+    def residual(self, state: State, groups: list[Group], R: Floats) -> None:
+        for g in groups:
+            if self._acts(g):
+                a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
+                kernels.force(g.conn, g.N, self._mass(g)[0], a, R)
+
+    def stiffness(self, state: State, groups: list[Group]) -> Matrices:
+        out: Matrices = []
+        for g in groups:
+            if not self._acts(g):
+                continue
+            mass, swelling = self._mass(g)
+            heavy = swelling is not None and bool(swelling.any())
+            if not (self.moves or heavy):
+                continue
+            K = np.zeros((g.m, 3 * g.n, 3 * g.n))
+            if self.moves:
+                kernels.stiffness(g.N, mass, self.gradient(state, g, self.rate(state)), K)
+            if heavy:
+                a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
+                kernels.swelling(g.N, g.dN, g.iJ0, g.F, g.J, swelling, a, K)
+            out.append((K, np.tile(g.conn, (1, 3)), np.repeat(np.arange(3), g.n)))
+        return out
+
+    @staticmethod
+    def rate(state: State) -> float:
+        """dv/du of the time integration; backward Euler where the state does not say otherwise."""
+        return float(getattr(state, "rate", 0.0)) or (1.0 / state.dt if state.dt > 0 else 0.0)
+
+
+def positions(state: State, group: Group) -> Floats:
+    """Current positions (n, 3) of the points of a group."""
+    return np.einsum("ga,eai->egi", group.N, state.x[group.conn]).reshape(-1, 3)
+
+
+def velocities(state: State, group: Group) -> Floats:
+    """Velocities (n, 3) of the points of a group."""
+    return np.einsum("ga,eai->egi", group.N, state.velocity[group.conn]).reshape(-1, 3)
+
+
+def at(v: Any, t: float, pts: Points) -> Floats:
+    """Three values at points: (1|n, 3)."""
+    parts = [x(t, pts.X, pts.e) for x in v]
+    out = np.empty((max(len(c) for c in parts), 3))
+    for i, c in enumerate(parts):
+        out[:, i] = c
+    return out

@@ -1,0 +1,43 @@
+"""Centrifugal body force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..values import as_value
+from . import register
+from .base import Floats, Number
+from .body import BodyLoad, Group, positions
+
+if TYPE_CHECKING:
+    from ..state import State
+
+
+@dataclass(eq=False)
+class Centrifugal(BodyLoad):
+    """a = w^2 (I - n n) (x - c). FEBio User Manual, "Centrifugal Body Force"."""
+
+    angular_speed: Number = 0.0
+    rotation_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    rotation_center: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    moves = True
+
+    def __post_init__(self) -> None:
+        self.angular_speed = as_value(self.angular_speed)
+
+    def _matrix(self, t: float) -> Floats:
+        n = np.asarray(self.rotation_axis, dtype=float)
+        w = float(self.angular_speed(t, np.zeros((1, 3)))[0])  # type: ignore[operator]
+        return w * w * (np.eye(3) - np.outer(n, n))
+
+    def acceleration(self, state: State, group: Group) -> Floats:
+        return (positions(state, group) - np.asarray(self.rotation_center)) @ self._matrix(state.time)
+
+    def gradient(self, state: State, group: Group, rate: float) -> Floats:
+        return self._matrix(state.time)[None]
+
+
+register(Centrifugal, "centrifugal")

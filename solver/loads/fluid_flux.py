@@ -1,0 +1,67 @@
+"""Fluid flux through a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..kernels.surface import add_scalars, flow, flow_stiffness
+from . import register
+from .base import Floats, Matrices, Number, SurfaceLoad, scalar
+
+if TYPE_CHECKING:
+    from ..state import State
+
+
+@dataclass(eq=False)
+class FluidFlux(SurfaceLoad):
+    """Volume of fluid entering per area and time, relative to the solid; of the mixture where ``mixture``.
+
+    dt int N (flux |a| - v . a), the last term where ``mixture`` and not ``steady`` (a steady-state
+    analysis). FEBio User Manual, "Fluid Flux". ``linear`` takes the areas of the reference.
+    """
+
+    flux: Number = 1.0
+    linear: bool = False
+    mixture: bool = False
+    steady: bool = False
+    parameters = ("flux",)
+
+    @property
+    def symmetric(self) -> bool:
+        return not self.tangent
+
+    @property
+    def tangent(self) -> bool:
+        return not self.linear or self._moves
+
+    @property
+    def _moves(self) -> bool:
+        return self.mixture and not self.steady
+
+    def _velocity(self, state: State) -> Floats:
+        return state.extra["bottom velocity"] if self.shell_bottom and self._moves else state.velocity
+
+    def residual(self, state: State, R: Floats) -> None:
+        x = self.positions(state, self.linear)
+        for p in self.surface:
+            f = np.zeros(p.conn.shape)
+            q = self.sign * scalar(self.flux, state.time, p)
+            flow(x, self._velocity(state), *p.geometry, q, self._moves, f)
+            add_scalars(p.conn, state.dt * f, R, self.first + 3)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        if not self.tangent:
+            return []
+        x, v, out = self.positions(state, self.linear), self._velocity(state), []
+        for p in self.surface:
+            K, nodes, columns = self.matrices(p, 4)
+            q = self.sign * scalar(self.flux, state.time, p)
+            flow_stiffness(x, v, *p.geometry, q, self._moves, not self.linear, state.dt, K)
+            out.append((K, nodes, columns))
+        return out
+
+
+register(FluidFlux, "fluidflux")

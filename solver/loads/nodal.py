@@ -1,0 +1,133 @@
+"""Forces and flows at nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..values import as_value
+from . import register
+from .base import BOTTOM, COLUMN, Floats, Ints, Matrices, Number, Vector, as_vector, vector
+
+if TYPE_CHECKING:
+    from ..state import State
+
+
+@dataclass(eq=False)
+class NodalLoad:
+    """A load at nodes; ``X`` (n, 3) their reference positions. A value's map has one number per node.
+
+    ``relative`` adds the load to the force on the nodes when the load began, see :meth:`begin`.
+    """
+
+    nodes: Ints
+    X: Floats
+    relative: bool = field(default=False, kw_only=True)
+    shell_bottom: bool = field(default=False, kw_only=True)
+    symmetric: ClassVar[bool] = True
+    _start: Floats | None = field(default=None, init=False, repr=False)
+
+    @property
+    def columns(self) -> list[int]:
+        """Columns of the nodal arrays the load is in."""
+        first = BOTTOM if self.shell_bottom else 0
+        return [first, first + 1, first + 2]
+
+    def begin(self, force: Floats) -> None:
+        """Take the nodal forces (node, column) that stood against the load before it began."""
+        self._start = force[np.ix_(self.nodes, self.columns)]
+
+    def cliques(self) -> list[Ints]:
+        return []
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        return []
+
+    def values(self, state: State) -> Floats:
+        """The load (1|n, columns)."""
+        raise NotImplementedError
+
+    def residual(self, state: State, R: Floats) -> None:
+        f = np.broadcast_to(self.values(state), (len(self.nodes), len(self.columns)))
+        if self.relative and self._start is not None:
+            f = f + self._start
+        for k, column in enumerate(self.columns):
+            np.add.at(R[:, column], self.nodes, f[:, k])
+
+    def _scalar(self, v: Any, t: float) -> Floats:
+        return np.asarray(v(t, self.X, np.arange(len(self.nodes))))[:, None]
+
+    def _vector(self, v: Any, t: float) -> Floats:
+        return vector(v, t, self.X, np.arange(len(self.nodes)))
+
+
+@dataclass(eq=False)
+class NodalForce(NodalLoad):
+    """A force vector. FEBio User Manual, "Nodal Force"."""
+
+    value: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        self.value = as_vector(self.value)
+
+    def values(self, state: State) -> Floats:
+        return self._vector(self.value, state.time)
+
+
+@dataclass(eq=False)
+class NodalDofLoad(NodalLoad):
+    """A load ``scale`` on one unknown: x, y, z, p (a volume of fluid), sx, sy, sz or q."""
+
+    dof: str = "x"
+    scale: Number = 0.0
+
+    def __post_init__(self) -> None:
+        self.scale = as_value(self.scale)
+
+    @property
+    def columns(self) -> list[int]:
+        return [COLUMN[self.dof]]
+
+    def values(self, state: State) -> Floats:
+        return self._scalar(self.scale, state.time)
+
+
+@dataclass(eq=False)
+class NodalFluidFlux(NodalLoad):
+    """A volume rate of fluid: dt * value. FEBio User Manual, "Nodal Fluid Flux"."""
+
+    value: Number = 0.0
+
+    def __post_init__(self) -> None:
+        self.value = as_value(self.value)
+
+    @property
+    def columns(self) -> list[int]:
+        return [COLUMN["p"]]
+
+    def values(self, state: State) -> Floats:
+        return state.dt * self._scalar(self.value, state.time)
+
+
+@dataclass(eq=False)
+class NodalTargetForce(NodalLoad):
+    """From the force when the load began to ``force``: (1 - scale) start + scale force."""
+
+    force: Vector = (0.0, 0.0, 0.0)
+    scale: Number = 1.0
+
+    def __post_init__(self) -> None:
+        self.force, self.scale = as_vector(self.force), as_value(self.scale)
+
+    def values(self, state: State) -> Floats:
+        s = self._scalar(self.scale, state.time)
+        start = 0.0 if self._start is None else self._start
+        return s * self._vector(self.force, state.time) + (1.0 - s) * start
+
+
+register(NodalForce, "nodal_force")
+register(NodalDofLoad, "nodal_load")
+register(NodalFluidFlux, "nodal fluidflux")
+register(NodalTargetForce, "nodal_target_force")

@@ -1,0 +1,286 @@
+"""Loads: resultants, and tangents against finite differences of the forces."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from febkit.solver import elements, loads
+from febkit.solver.kernels import solid as solid_kernels
+from febkit.solver.loads.base import Patch, patches
+from febkit.solver.values import Expression, Map
+
+RNG = np.random.default_rng(3)
+FACETS = elements.FACETS
+DT = 0.3
+
+
+def state(X: np.ndarray, columns: int = 4, **kw: Any) -> SimpleNamespace:
+    """A nodal state moved by a fixed random motion."""
+    s = SimpleNamespace(X=X, d=np.zeros((len(X), columns)), time=1.0, dt=DT, extra={}, **kw)
+    s.d[:, :3] = 0.08 * RNG.normal(size=X.shape)
+    if columns > 3:
+        s.d[:, 3] = RNG.uniform(0.5, 1.5, len(X))
+    follow(s)
+    return s
+
+
+def follow(s: SimpleNamespace) -> None:
+    s.x, s.velocity = s.X + s.d[:, :3], s.d[:, :3] / DT
+
+
+def facet(kind: str) -> tuple[np.ndarray, tuple[Patch, ...]]:
+    """Two facets of one type, bent, that share no nodes."""
+    e = elements.get(kind)
+    flat = np.column_stack([e.natural, 0.1 * e.natural[:, 0] * e.natural[:, 1]])
+    turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    X = np.vstack([flat @ turn.T, flat @ turn.T + [3.0, 1.0, 0.5]])
+    return X, patches({kind: np.arange(2 * e.nodes).reshape(2, -1)}, X)
+
+
+def forces(load: Any, s: SimpleNamespace, *groups: Any) -> np.ndarray:
+    R = np.zeros_like(s.d)
+    load.residual(s, *groups, R)
+    return R
+
+
+def assembled(load: Any, s: SimpleNamespace, groups: Any = None) -> np.ndarray:
+    n, c = s.d.shape
+    out = np.zeros((n * c, n * c))
+    for K, nodes, columns in load.stiffness(s, groups):
+        for k, rows in zip(K, nodes, strict=True):
+            dofs = rows * c + columns
+            out[np.ix_(dofs, dofs)] += k
+    return out
+
+
+def measured(load: Any, s: SimpleNamespace, update: Any = None, groups: tuple = ()) -> np.ndarray:
+    """-dR/dd by central differences."""
+    n, c = s.d.shape
+    out, h = np.zeros((n * c, n * c)), 1e-6
+    for k in range(n * c):
+        parts = []
+        for sign in (1, -1):
+            s.d.flat[k] += sign * h
+            follow(s)
+            if update:
+                update()
+            parts.append(forces(load, s, *groups).ravel())
+            s.d.flat[k] -= sign * h
+        out[:, k] = -(parts[0] - parts[1]) / (2 * h)
+    follow(s)
+    if update:
+        update()
+    return out
+
+
+VARYING = Expression(lambda X, Y, Z, t: 1.0 + 0.3 * X - 0.2 * Z + 0.1 * t)
+
+
+CASES = {
+    "pressure": {"pressure": VARYING, "symmetric_stiffness": False},
+    "normal_traction": {"traction": VARYING},
+    "effective": {"traction": 0.4, "effective": True},
+    "fluidflux": {"flux": VARYING},
+    "mixture": {"flux": 0.7, "mixture": True},
+    "mixture per reference area": {"flux": 0.7, "mixture": True, "linear": True},
+}
+TYPES = {"effective": "normal_traction", "mixture": "fluidflux", "mixture per reference area": "fluidflux"}
+
+
+@pytest.mark.parametrize("kind", FACETS)
+@pytest.mark.parametrize("case", CASES)
+def test_tangent_by_finite_difference(case: str, kind: str) -> None:
+    X, surface = facet(kind)
+    s = state(X)
+    load = loads.load(TYPES.get(case, case))(surface, **CASES[case])
+    got, exact = assembled(load, s), measured(load, s)
+    np.testing.assert_allclose(got, exact, atol=2e-8)
+    assert np.abs(exact).max() > 1e-3
+    assert not load.symmetric
+
+
+@pytest.mark.parametrize("name", ["pressure", "traction", "normal_traction", "fluidflux"])
+def test_linear_loads_keep_to_the_reference(name: str) -> None:
+    X, surface = facet("quad8")
+    value = {"pressure": 1.0, "traction": (1.0, 2.0, 3.0), "normal_traction": 1.0, "fluidflux": 1.0}[name]
+    field = {"fluidflux": "flux", "normal_traction": "traction"}.get(name, name)
+    load = loads.load(name)(surface, **{field: value}, linear=True)
+    a, b = state(X), state(X)
+    np.testing.assert_array_equal(forces(load, a), forces(load, b))
+    assert load.stiffness(a) == [] and load.cliques() == [] and load.symmetric
+
+
+def cube(kind: str) -> tuple[np.ndarray, dict[str, np.ndarray], elements.Element]:
+    """All facets of one element moved to random nodes."""
+    e = elements.get(kind)
+    facets: dict[str, list] = {}
+    for f, loop in e.facets:
+        facets.setdefault(f, []).append(loop)
+    return e.natural.copy(), {k: np.array(v) for k, v in facets.items()}, e
+
+
+@pytest.mark.parametrize("kind", ["hex8", "tet4", "penta6", "tet10", "hex20", "hex27"])
+def test_a_closed_surface_under_uniform_pressure(kind: str) -> None:
+    """No resultant, and the tangent is its symmetric part."""
+    X, facets, _ = cube(kind)
+    s = state(X, 3)
+    p = loads.load("pressure")(patches(facets, X), pressure=2.0)
+    R = forces(p, s)
+    np.testing.assert_allclose(R.sum(axis=0), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.cross(s.x, R).sum(axis=0), 0.0, atol=1e-12)
+    plain = loads.load("pressure")(patches(facets, X), pressure=2.0, symmetric_stiffness=False)
+    exact = assembled(plain, s)
+    np.testing.assert_allclose(assembled(p, s), exact, atol=1e-12)
+    np.testing.assert_allclose(exact, exact.T, atol=1e-12)
+
+
+def test_pressure_pushes_against_the_normal() -> None:
+    X = np.array([(0, 0, 0), (2, 0, 0), (2, 3, 0), (0, 3, 0)], dtype=float)
+    s = SimpleNamespace(X=X, d=np.zeros((4, 3)), time=0.0, dt=0.0, extra={})
+    surface = patches({"quad4": np.arange(4)[None]}, X)
+    R = forces(loads.load("pressure")(surface, pressure=5.0), s)
+    np.testing.assert_allclose(R, [[0, 0, -7.5]] * 4)
+    R = forces(loads.load("traction")(surface, traction=(1.0, 0.0, 2.0), scale=0.5), s)
+    np.testing.assert_allclose(R, [[0.75, 0, 1.5]] * 4)
+    R = forces(loads.load("force")(surface, force=(4.0, 0.0, 0.0)), s)
+    np.testing.assert_allclose(R, [[1.0, 0, 0]] * 4)
+    R = forces(loads.load("normal_traction")(surface, traction=Map(np.array([3.0]))), s)
+    np.testing.assert_allclose(R, [[0, 0, 4.5]] * 4)
+
+
+def test_fluid_flux_is_area_times_flux_times_step() -> None:
+    X = np.array([(0, 0, 0), (2, 0, 0), (0, 3, 0)], dtype=float)
+    s = SimpleNamespace(X=X, d=np.zeros((3, 4)), velocity=np.zeros((3, 3)), time=0.0, dt=0.1, extra={})
+    R = forces(loads.load("fluidflux")(patches({"tri3": np.arange(3)[None]}, X), flux=2.0), s)
+    np.testing.assert_allclose(R[:, 3], 0.2)
+
+
+def test_effective_traction_subtracts_the_fluid_pressure() -> None:
+    X, surface = facet("quad4")
+    s = state(X)
+    s.d[:, 3] = 0.25
+    R = forces(loads.load("normal_traction")(surface, traction=1.0, effective=True), s)
+    total = forces(loads.load("normal_traction")(surface, traction=0.75), s)
+    np.testing.assert_allclose(R, total, atol=1e-14)
+
+
+@pytest.mark.parametrize("profile", ["sine", "parabolic"])
+def test_bearing_load_adds_up_to_its_force(profile: str) -> None:
+    """On a fine cylinder turned at random the resultant is the part of the force across the axis."""
+    n, m = 400, 4
+    angle, z = np.meshgrid(2 * np.pi * np.arange(n) / n, np.linspace(0, 2, m), indexing="ij")
+    X = np.column_stack([np.cos(angle).ravel(), np.sin(angle).ravel(), z.ravel()])
+    i, j = np.meshgrid(np.arange(n), np.arange(m - 1), indexing="ij")
+    a, b = i.ravel() * m + j.ravel(), (i.ravel() + 1) % n * m + j.ravel()
+    turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    X = X @ turn.T
+    force = turn @ np.array([3.0, -4.0, 0.5])
+    surface = patches({"quad4": np.column_stack([a, b, b + 1, a + 1])}, X)
+    load = loads.load("bearing load")(surface, force=tuple(force), scale=2.0, profile=profile)
+    s = SimpleNamespace(X=X, d=np.zeros((len(X), 3)), time=0.0, dt=0.0, extra={})
+    got = forces(load, s).sum(axis=0)
+    expected = 2.0 * np.linalg.norm(force) * turn @ np.array([0.6, -0.8, 0.0])
+    np.testing.assert_allclose(got, expected, rtol=1e-3, atol=1e-3)
+
+
+def test_bearing_load_needs_a_cylinder() -> None:
+    points = RNG.normal(size=(60, 3))
+    ball = points / np.linalg.norm(points, axis=1)[:, None]
+    from febkit.solver.loads.bearing import cylinder_axis
+
+    with pytest.raises(ValueError, match="cylinder"):
+        cylinder_axis(ball)
+
+
+def test_nodal_loads() -> None:
+    X = RNG.normal(size=(5, 3))
+    s, nodes = state(X), np.array([1, 3])
+    value = (1.0, 2.0, Map(np.array([3.0, 4.0])))
+    R = forces(loads.load("nodal_force")(nodes, X[nodes], value=value), s)
+    np.testing.assert_allclose(R[nodes, :3], [[1, 2, 3], [1, 2, 4]])
+    assert not R[[0, 2, 4]].any()
+    R = forces(loads.load("nodal_load")(nodes, X[nodes], dof="y", scale=2.0), s)
+    np.testing.assert_allclose(R[nodes], [[0, 2, 0, 0]] * 2)
+    R = forces(loads.load("nodal fluidflux")(nodes, X[nodes], value=2.0), s)
+    np.testing.assert_allclose(R[nodes, 3], 2.0 * DT)
+
+
+def test_relative_and_target_nodal_loads() -> None:
+    X = RNG.normal(size=(4, 3))
+    s, nodes, held = state(X), np.array([0, 2]), np.full((4, 4), 6.0)
+    relative = loads.load("nodal_force")(nodes, X[nodes], value=(1.0, 0.0, 0.0), relative=True)
+    relative.begin(held)
+    np.testing.assert_allclose(forces(relative, s)[nodes, :3], [[7, 6, 6]] * 2)
+    target = loads.load("nodal_target_force")(nodes, X[nodes], force=(2.0, 2.0, 2.0), scale=0.25)
+    target.begin(held)
+    np.testing.assert_allclose(forces(target, s)[nodes, :3], 0.75 * 6 + 0.25 * 2)
+
+
+# ---- body loads ---------------------------------------------------------------------------------------
+def group(kind: str, s: SimpleNamespace, mixture: Any = None) -> tuple[SimpleNamespace, Any]:
+    """One element as the solver's groups present it."""
+    e = elements.get(kind, "G4") if kind == "tet4" else elements.get(kind)
+    conn = np.arange(e.nodes, dtype=np.int32)[None]
+    g = e.npoints
+    iJ0, wJ0 = np.empty((1, g, 3, 3)), np.empty((1, g))
+    solid_kernels.reference(s.X, conn, e.dN, e.weights, iJ0, wJ0)
+    F, J = np.empty((1, g, 3, 3)), np.empty((1, g))
+    Xg = e.N @ s.X[conn[0]]
+    solid = SimpleNamespace(density=lambda pts: np.array([2.0]))
+    block = SimpleNamespace(name="part", mixture=mixture, solid=solid)
+    out = SimpleNamespace(
+        block=block, conn=conn, N=e.N, dN=e.dN, iJ0=iJ0, wJ0=wJ0, F=F, J=J, m=1, g=g, n=e.nodes,
+        points=lambda: SimpleNamespace(X=Xg, e=np.zeros(g, dtype=int), t=s.time),
+    )
+
+    def update() -> None:
+        solid_kernels.kinematics(0, 1, s.x, conn, e.dN, iJ0, F, J)
+
+    update()
+    return out, update
+
+
+MIXTURE = SimpleNamespace(
+    phi0=lambda t, X, e: np.array([0.3]), fluid_density=lambda t, X, e: np.array([0.9])
+)
+BODY = {
+    "centrifugal": {"angular_speed": 1.3, "rotation_axis": (0.0, 0.6, 0.8), "rotation_center": (0.1, 0.0, 0.0)},
+    "mass damping": {"C": 0.7},
+    "body force": {"given": (1.0, VARYING, -2.0)},
+}
+
+
+@pytest.mark.parametrize("mixture", [None, MIXTURE], ids=["solid", "biphasic"])
+@pytest.mark.parametrize("kind", ["hex8", "tet4"])
+@pytest.mark.parametrize("name", BODY)
+def test_body_tangent_by_finite_difference(name: str, kind: str, mixture: Any) -> None:
+    s = state(elements.get(kind).natural.copy(), 3)
+    g, update = group(kind, s, mixture)
+    load = loads.load(name)(**BODY[name])
+    exact = measured(load, s, update, ([g],))
+    np.testing.assert_allclose(assembled(load, s, [g]), exact, atol=1e-7)
+
+
+def test_weight() -> None:
+    """FEBio's body force acts against its own direction; mixtures weigh phi0 rho_s + (J - phi0) rho_w."""
+    s = state(elements.get("hex8").natural.copy(), 3)
+    s.d[:] = 0.1 * s.X
+    follow(s)
+    load = loads.load("const")(z=10.0)
+    g, _ = group("hex8", s)
+    np.testing.assert_allclose(forces(load, s, [g]).sum(axis=0), [0, 0, -8 * 2 * 10], atol=1e-12)
+    g, _ = group("hex8", s, MIXTURE)
+    weight = 8 * 10 * (0.3 * 2.0 + (1.1**3 - 0.3) * 0.9)
+    np.testing.assert_allclose(forces(load, s, [g]).sum(axis=0), [0, 0, -weight], atol=1e-12)
+
+
+def test_body_load_on_part_of_a_block() -> None:
+    s = state(elements.get("hex8").natural.copy(), 3)
+    g, _ = group("hex8", s)
+    assert not forces(loads.load("const")(x=1.0, blocks=("other",)), s, [g]).any()
+    assert not forces(loads.load("const")(x=1.0, elements={"part": np.array([], dtype=int)}), s, [g]).any()
