@@ -128,6 +128,10 @@ class Solid:
     def room(self, pts: Points) -> None:
         """Enlarge ``history`` where the coming step needs it (``pts.old`` has the columns so far)."""
 
+    def broken(self, pts: Points) -> Floats | float:
+        """Fraction of bonds broken (damage) at the state last evaluated, from ``pts.new``."""
+        return 0.0
+
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         raise NotImplementedError
 

@@ -21,11 +21,7 @@ _NONE = np.empty((0, 0))
 
 
 def directions(fiber: Any, pts: Points) -> Floats:
-    """Unit reference directions (1|n, 3): the local vectors of ``fiber`` turned by ``pts.Q``.
-
-    ``pts.extra["prestretch"]`` (n, 3, 3), where a generation of bonds is born in a stretched state, turns
-    them once more.
-    """
+    """Unit reference directions (1|n, 3): the local vectors of ``fiber`` turned by ``pts.Q``."""
     if fiber is None:
         a = np.array([[1.0, 0.0, 0.0]])
     else:
@@ -33,14 +29,15 @@ def directions(fiber: Any, pts: Points) -> Floats:
         a = a / np.linalg.norm(a, axis=1, keepdims=True)
     if pts.Q is not None:
         a = np.einsum("nij,nj->ni", np.broadcast_to(pts.Q, (max(len(a), len(pts.Q)), 3, 3)), a)
-    return prestretched(a, pts)
+    return np.ascontiguousarray(a)
 
 
 def prestretched(a: Floats, pts: Points) -> Floats:
-    """Directions (..., 3) after the prestretch of a generation, as unit vectors."""
+    """Directions (1|n, m, 3) turned by ``pts.extra["prestretch"]`` (n, 3, 3), the stretch at which a
+    generation of bonds was born, where there is one."""
     U = pts.extra.get("prestretch")
     if U is not None:
-        a = np.einsum("nij,n...j->n...i", U, np.broadcast_to(a, (pts.n, *a.shape[1:])))
+        a = a @ U
         a = a / np.linalg.norm(a, axis=-1, keepdims=True)
     return np.ascontiguousarray(a)
 

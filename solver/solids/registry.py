@@ -24,7 +24,7 @@ def tables() -> dict[str, dict[str, str]]:
 def field_name(tag: str) -> str:
     """The record's field for a tag of the file."""
     name = tag.replace(" ", "_").replace("-", "_")
-    return name + "_" if iskeyword(name) or name == "density" else name
+    return name + "_" if iskeyword(name) or name in ("density", "cdf") else name
 
 
 def tag_name(field: str) -> str:

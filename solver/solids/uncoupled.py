@@ -56,6 +56,9 @@ class Uncoupled(Solid):
         super().__post_init__()
         self.k = as_value(self.k)
         self.pressure_model = int(self.pressure_model)
+        for child in self.children:
+            if isinstance(child, Uncoupled):
+                child.k = as_value(0.0)
 
     def _bulk_modulus(self, pts: Points) -> Floats:
         return self.k(pts.t, pts.X, pts.e)  # type: ignore[operator]
@@ -86,3 +89,13 @@ class Uncoupled(Solid):
 
     def energy(self, pts: Points) -> Floats:
         return self.dev_energy(pts) + self.volumetric(pts.J, pts)
+
+
+def distortional(solid: Solid) -> Callable[[Points, Floats, Floats | None], None]:
+    """``solid.dev`` of an uncoupled solid, ``solid.stress`` of another: what a part adds within an uncoupled whole."""
+    return solid.dev if isinstance(solid, Uncoupled) else solid.stress
+
+
+def distortional_energy(solid: Solid, pts: Points) -> Floats:
+    """Energy that goes with :func:`distortional`."""
+    return solid.dev_energy(pts) if isinstance(solid, Uncoupled) else solid.energy(pts)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..points import Points
 from .base import Floats, Property, Solid
 from .registry import register
-from .uncoupled import Uncoupled
+from .uncoupled import Uncoupled, distortional, distortional_energy
 
 
 @dataclass(eq=False)
@@ -20,12 +20,11 @@ class UncoupledMixture(Uncoupled):
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
         for m in self.solid:
-            (m.dev if isinstance(m, Uncoupled) else m.stress)(within, s, c)
+            distortional(m)(within, s, c)
 
     def dev_energy(self, pts: Points) -> Floats:
         within = self.inner(pts)
-        parts = (m.dev_energy(within) if isinstance(m, Uncoupled) else m.energy(within) for m in self.solid)
-        return sum(parts, start=0.0 * pts.J)
+        return sum((distortional_energy(m, within) for m in self.solid), start=0.0 * pts.J)
 
 
 register(UncoupledMixture, "uncoupled solid mixture")

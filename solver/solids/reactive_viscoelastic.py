@@ -1,0 +1,230 @@
+"""Reactive viscoelastic solids: strong bonds that last, weak bonds that break and reform in generations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..kernels.push import add_scaled
+from ..points import Points
+from .base import Floats, Number, Property, Solid, wanted
+from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
+from .fiber import Fiber, UncoupledFiber
+from .registry import register
+from .uncoupled import Uncoupled, distortional, distortional_energy
+from .voigt import deviator, distortion, matrix, norm, right_stretch, spectral, strain, vector
+
+_HEAD = 10  # number of generations, F of the last state
+_EACH = 11  # per generation: v, J, f, recruited, K2, U
+_V, _J, _F, _R, _K = range(5)
+_U = slice(5, 11)
+Law = Callable[[Points, Floats, Floats | None], None]
+
+
+@dataclass(eq=False)
+class _Bonds:
+    """Generation g starts to break at time v_g, when the strain changes, and was born in the state (U, J)_(g-1).
+
+    sigma = sigma_strong(F) + (1 - D) sum_g w_g sigma_bond(F U_(g-1)^-1) / J_(g-1), w_g the mass fraction of the
+    bonds of generation g, kinetics type I or II. Ateshian, J. Biomech. 48 (2015) 941; Nims & Ateshian, J.
+    Biomech. 56 (2017) 66.
+    """
+
+    elastic: Solid | None = None
+    bond: Solid | None = None
+    relaxation: Any = None
+    recruitment: Any = None
+    wmin: Number = 0.0
+    emin: Number = 0.0
+    kinetics: int = 1
+    trigger: int = 0
+    parameters = ("wmin", "emin")
+    options = ("kinetics", "trigger")
+    properties = {
+        "elastic": Property("solid"),
+        "bond": Property("solid"),
+        "relaxation": Property("relaxation"),
+        "recruitment": Property("recruitment", optional=True),
+    }
+    capacity: int = field(default=4, init=False, repr=False)
+    history: int = field(default=_HEAD + 4 * _EACH, init=False, repr=False)
+
+    def initial(self, n: int) -> Floats:
+        out = np.zeros((n, self.history))
+        out[:, 1:_HEAD] = np.eye(3).ravel()
+        return out
+
+    def room(self, pts: Points) -> None:
+        at = self.offset  # type: ignore[attr-defined]
+        if pts.old is not None and pts.old[:, at].max(initial=0) >= self.capacity:
+            self.capacity *= 2
+            self.history = _HEAD + self.capacity * _EACH
+
+    def _weights(self, pts: Points, gen: Floats, rate: Floats) -> Floats:
+        """Mass fraction of each generation (n, capacity) as if all existed."""
+        dtv = pts.t - gen[:, :, _V]
+        g = self.relaxation(pts, np.maximum(dtv, 0.0), gen[:, :, _K], rate)
+        if self.kinetics == 1:
+            return np.where(dtv >= 0, gen[:, :, _F] * g, 0.0)
+        out = np.array(np.broadcast_to(g, dtv.shape))
+        before = self.relaxation(pts, np.maximum(dtv[:, :-1], 0.0), gen[:, 1:, _K], rate)
+        out[:, 1:] -= before
+        return out
+
+    def _reforming(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Floats:
+        """1 - sum of the fractions of all generations but the last of ``count``."""
+        live = np.arange(gen.shape[1]) < (count - 1)[:, None]
+        return 1.0 - (self._weights(pts, gen, rate) * live).sum(1)
+
+    def _changed(self, F: Floats, gen: Floats, count: Floats) -> Floats:
+        """Measure of the strain since the last generation, by ``trigger``."""
+        last = np.maximum(count - 1, 0).astype(int)
+        U = matrix(gen[np.arange(len(F)), last, _U])
+        U[count == 0] = np.eye(3)
+        Fu = F @ np.linalg.inv(U)
+        return self._scalar(Fu)
+
+    def _scalar(self, F: Floats) -> Floats:
+        if self.trigger == 0:
+            return norm(strain(F))
+        if self.trigger == 1:
+            return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
+        return np.abs(np.log(np.linalg.det(F)))
+
+    def _slack(self, pts: Points, law: Law) -> Floats:
+        """Where both parts are fibers that bear no load, no generation starts."""
+        families = (Fiber, UncoupledFiber)
+        if not (isinstance(self.elastic, families) and isinstance(self.bond, families)):
+            return np.zeros(pts.n, bool)
+        s = np.zeros((pts.n, 6))
+        law(pts, s, None)
+        return ~s.any(1)
+
+    def _advance(self, pts: Points, strong: Law) -> tuple[Floats, Floats, Floats]:
+        """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1)."""
+        at, h = self.offset, self.history  # type: ignore[attr-defined]
+        old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
+        count = old[:, 0].copy()
+        gen = old[:, _HEAD:].reshape(pts.n, self.capacity, _EACH).copy()
+        rate = np.zeros((pts.n, 1))
+        if pts.dt > 0:
+            L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ np.linalg.inv(pts.F) / pts.dt
+            rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
+        wmin, emin = self.par(pts).T  # type: ignore[attr-defined]
+        eps = np.maximum(emin, 10 * np.finfo(float).eps)
+        rows = np.arange(pts.n)
+        last = gen[rows, np.maximum(count - 1, 0).astype(int), _V]
+        born = (count == 0) | (last < pts.t)
+        born &= self._reforming(pts, gen, count, rate) >= wmin
+        born &= self._changed(pts.F, gen, count) > eps
+        born &= ~self._slack(pts, strong)
+        who = np.flatnonzero(born)
+        if len(who):
+            self._begin(pts, gen, count, rate, who)
+            self._cull(pts, gen, count, rate, who, wmin)
+        if pts.new is not None:
+            pts.new[:, at] = count
+            pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
+            pts.new[:, at + _HEAD : at + h] = gen.reshape(pts.n, -1)
+        return gen, count, rate
+
+    def _begin(self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any) -> None:
+        k = count[who].astype(int)
+        U = right_stretch(pts.F[who])
+        gen[who, k, _V] = pts.t
+        gen[who, k, _J] = pts.J[who]
+        gen[who, k, _K] = distortion(U)
+        gen[who, k, _U] = vector(U)
+        gen[who, k, _R] = 1.0
+        if self.recruitment is not None:
+            gen[who, k, _R] = self.recruitment(pts, self._scalar(pts.F))[who]
+        count[who] += 1
+        gen[who, k, _F] = self._reforming(pts, gen, count, rate)[who]
+
+    def _cull(
+        self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any, wmin: Floats
+    ) -> None:
+        """Merge the oldest generation into the next where its fraction has fallen below wmin."""
+        w = self._weights(pts, gen, rate)[:, :2] * gen[:, :2, _R]
+        thin = np.zeros(pts.n, bool)
+        thin[who] = True
+        thin &= (count >= 3) & (w[:, 0] < wmin)
+        if not thin.any():
+            return
+        a, b = w[thin, 0, None], w[thin, 1, None]
+        mean = (a * gen[thin, 0] + b * gen[thin, 1]) / (a + b)
+        U = matrix(mean[:, _U])
+        mean[:, _J], mean[:, _K] = np.linalg.det(U), distortion(U)
+        gen[thin, :-1] = gen[thin, 1:]
+        gen[thin, 0] = mean
+        count[thin] -= 1
+
+    def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
+        """(points as generation g sees them, weight (n,)) for each generation with any weight."""
+        w = self._weights(pts, gen, rate) * gen[:, :, _R]
+        w = np.where(np.arange(gen.shape[1]) < count[:, None], w, 0.0)
+        w[count == 0, 0] = 1.0
+        prestretch = isinstance(self.bond, (ContinuousFibers, ContinuousFibersUncoupled))
+        yield pts, np.ascontiguousarray(w[:, 0]), np.ones(pts.n)
+        for g in range(1, int(count.max(initial=0))):
+            has = g < count
+            U = np.where(has[:, None, None], matrix(gen[:, g - 1, _U]), np.eye(3))
+            Jg = np.where(has, gen[:, g - 1, _J], 1.0)
+            at = replace(pts, F=np.ascontiguousarray(pts.F @ np.linalg.inv(U)), J=pts.J / Jg)
+            if prestretch:
+                at = replace(at, extra={**pts.extra, "prestretch": U})
+            yield at, np.ascontiguousarray(w[:, g]), Jg
+
+    def _sum(self, pts: Points, s: Floats, c: Floats | None, strong: Law, bond: Law, rest: bool) -> None:
+        within = self.inner(pts)  # type: ignore[attr-defined]
+        strong(within, s, c)
+        gen, count, rate = self._advance(within, strong)
+        intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
+        sb = np.empty((pts.n, 6))
+        cb = None if c is None else np.empty((pts.n, 6, 6))
+        for at, w, Jg in self._states(within, gen, count, rate):
+            sb[:] = 0.0
+            if cb is not None:
+                cb[:] = 0.0
+            bond(at, sb, cb)
+            k = np.ascontiguousarray(np.broadcast_to(intact * w / Jg, (pts.n,)))
+            add_scaled(k, sb if not rest else 0.0 * sb, wanted(cb), s, wanted(c))
+
+    def _sum_energy(self, pts: Points, energy: Callable[[Solid, Points], Floats], law: Law) -> Floats:
+        within = self.inner(pts)  # type: ignore[attr-defined]
+        gen, count, rate = self._advance(within, law)
+        intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
+        out = energy(self.elastic, within)  # type: ignore[arg-type]
+        for at, w, _ in self._states(within, gen, count, rate):
+            out = out + intact * w * energy(self.bond, at)  # type: ignore[arg-type]
+        return out
+
+
+@dataclass(eq=False)
+class ReactiveViscoelastic(_Bonds, Solid):
+    """Reactive viscoelastic solid of compressible parts; weak bonds bear no stress at t = 0."""
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        self._sum(pts, s, c, self.elastic.stress, self.bond.stress, pts.t == 0)  # type: ignore[union-attr]
+
+    def energy(self, pts: Points) -> Floats:
+        return self._sum_energy(pts, lambda m, p: m.energy(p), self.elastic.stress)  # type: ignore[union-attr]
+
+
+@dataclass(eq=False)
+class UncoupledReactiveViscoelastic(_Bonds, Uncoupled):
+    """Reactive viscoelastic solid of nearly incompressible parts; weak bonds bear no stress where dt = 0."""
+
+    def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        strong, bond = distortional(self.elastic), distortional(self.bond)  # type: ignore[arg-type]
+        self._sum(pts, s, c, strong, bond, pts.dt == 0)
+
+    def dev_energy(self, pts: Points) -> Floats:
+        return self._sum_energy(pts, distortional_energy, distortional(self.elastic))  # type: ignore[arg-type]
+
+
+register(ReactiveViscoelastic, "reactive viscoelastic")
+register(UncoupledReactiveViscoelastic, "uncoupled reactive viscoelastic")

@@ -1,0 +1,314 @@
+"""Relaxation functions of breaking bonds: g(t) from 1 down, given the time since breaking began.
+
+A record is called with points, t (n, m), the distortion K2 (n, m) at which each generation formed, and the
+magnitude of the rate of deformation (n, 1). Ateshian, J. Biomech. 48 (2015) 941.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..points import Points
+from ..values import as_value
+from .base import Floats, Number, Property
+from .registry import register
+
+Curve = Callable[[Floats], Floats]
+
+
+@dataclass(eq=False)
+class Relaxation:
+    """g(t)."""
+
+    parameters = ()
+    options = ()
+    properties = {}
+
+    def p(self, name: str, pts: Points) -> Floats:
+        """A parameter as (1|n, 1)."""
+        return as_value(getattr(self, name))(pts.t, pts.X, pts.e)[:, None]
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
+class Exponential(Relaxation):
+    """exp(-t/tau)."""
+
+    tau: Number = 0.0
+    parameters = ("tau",)
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return np.exp(-t / self.p("tau", pts))
+
+
+@dataclass(eq=False)
+class ExponentialDistortion(Relaxation):
+    """exp(-t/tau), tau = tau0 + tau1 K2^alpha."""
+
+    tau0: Number = 0.0
+    tau1: Number = 0.0
+    alpha: Number = 1.0
+    parameters = ("tau0", "tau1", "alpha")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return np.exp(-t / (self.p("tau0", pts) + self.p("tau1", pts) * K2 ** self.p("alpha", pts)))
+
+
+@dataclass(eq=False)
+class ExponentialUser(Relaxation):
+    """exp(-t/tau(K2))."""
+
+    tau: Curve | None = None
+    properties = {"tau": Property("curve")}
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return np.exp(-t / self.tau(K2))  # type: ignore[misc]
+
+
+@dataclass(eq=False)
+class Fung(Relaxation):
+    """Continuous box spectrum between tau1 and tau2 (Fung, Biomechanics, section 7.6)."""
+
+    tau1: Number = 0.0
+    tau2: Number = 0.0
+    parameters = ("tau1", "tau2")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        from scipy.special import expi
+
+        a, b = self.p("tau1", pts), self.p("tau2", pts)
+        x = np.where(t > 0, t, 1.0)
+        g = b * np.exp(-x / b) - a * np.exp(-x / a) + x * (expi(-x / b) - expi(-x / a))
+        return np.where(t > 0, np.maximum(g / (b - a), 0.0), 1.0)
+
+
+@dataclass(eq=False)
+class Park(Relaxation):
+    """1 / (1 + (t/tau)^beta)."""
+
+    tau: Number = 0.0
+    beta: Number = 0.0
+    parameters = ("tau", "beta")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return 1.0 / (1.0 + (t / self.p("tau", pts)) ** self.p("beta", pts))
+
+
+@dataclass(eq=False)
+class _Distortion(Relaxation):
+    tau0: Number = 0.0
+    tau1: Number = 0.0
+    beta0: Number = 0.0
+    beta1: Number = 0.0
+    alpha: Number = 1.0
+    parameters = ("tau0", "tau1", "beta0", "beta1", "alpha")
+
+    def _both(self, pts: Points, K2: Floats) -> tuple[Floats, Floats]:
+        k = K2 ** self.p("alpha", pts)
+        tau = self.p("tau0", pts) + self.p("tau1", pts) * k
+        return tau, self.p("beta0", pts) + self.p("beta1", pts) * k
+
+
+@dataclass(eq=False)
+class ParkDistortion(_Distortion):
+    """:class:`Park` with tau0 + tau1 K2^alpha and beta0 + beta1 K2^alpha."""
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        tau, beta = self._both(pts, K2)
+        return 1.0 / (1.0 + (t / tau) ** beta)
+
+
+@dataclass(eq=False)
+class ParkUser(Relaxation):
+    """:class:`Park` with curves tau(K2), beta(K2)."""
+
+    tau: Curve | None = None
+    beta: Curve | None = None
+    properties = {"tau": Property("curve"), "beta": Property("curve")}
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return 1.0 / (1.0 + (t / self.tau(K2)) ** self.beta(K2))  # type: ignore[misc]
+
+
+@dataclass(eq=False)
+class Power(Relaxation):
+    """(1 + t/tau)^-beta."""
+
+    tau: Number = 0.0
+    beta: Number = 0.0
+    parameters = ("tau", "beta")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return (1.0 + t / self.p("tau", pts)) ** -self.p("beta", pts)
+
+
+@dataclass(eq=False)
+class PowerDistortion(_Distortion):
+    """:class:`Power` with tau0 + tau1 K2^alpha and beta0 + beta1 K2^alpha."""
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        tau, beta = self._both(pts, K2)
+        return (1.0 + t / tau) ** -beta
+
+
+@dataclass(eq=False)
+class PowerUser(Relaxation):
+    """:class:`Power` with curves tau(K2), beta(K2)."""
+
+    tau: Curve | None = None
+    beta: Curve | None = None
+    properties = {"tau": Property("curve"), "beta": Property("curve")}
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return (1.0 + t / self.tau(K2)) ** -self.beta(K2)  # type: ignore[misc]
+
+
+@dataclass(eq=False)
+class Carreau(Relaxation):
+    """exp(-t/tau), tau = tau0 (1 + (lambda gamma')^2)^((n-1)/2), gamma' = 2^1/2 |D|."""
+
+    tau0: Number = 0.0
+    lambda_: Number = 0.0
+    n: Number = 1.0
+    parameters = ("tau0", "lambda_", "n")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        shear = self.p("lambda_", pts) * np.sqrt(2.0) * rate
+        tau = self.p("tau0", pts) * (1.0 + shear**2) ** (0.5 * (self.p("n", pts) - 1.0))
+        return np.exp(-t / tau)
+
+
+@dataclass(eq=False)
+class Prony(Relaxation):
+    """sum g_i exp(-t/t_i) / sum g_i."""
+
+    t1: Number = 1.0
+    t2: Number = 1.0
+    t3: Number = 1.0
+    t4: Number = 1.0
+    t5: Number = 1.0
+    t6: Number = 1.0
+    g1: Number = 0.0
+    g2: Number = 0.0
+    g3: Number = 0.0
+    g4: Number = 0.0
+    g5: Number = 0.0
+    g6: Number = 0.0
+    parameters = ("t1", "t2", "t3", "t4", "t5", "t6", "g1", "g2", "g3", "g4", "g5", "g6")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        g = [self.p(f"g{i}", pts) for i in range(1, 7)]
+        return sum(gi * np.exp(-t / self.p(f"t{i}", pts)) for i, gi in enumerate(g, 1)) / sum(g)
+
+
+def malkin(t: Floats, tau1: Floats, tau2: Floats, beta: Floats) -> Floats:
+    """Power-law spectrum between tau1 and tau2 (Malkin, Rheol. Acta 45 (2006) 775)."""
+    from scipy.special import expi, gamma, gammaincc
+
+    x, b = np.where(t > 0, t, 1.0), np.where(beta == 1, 1.5, beta - 1.0)
+    Q = (gammaincc(b, x / tau2) - gammaincc(b, x / tau1)) * gamma(b)
+    power = b * x**-b * Q / (tau1**-b - tau2**-b)
+    ratio = np.where(tau1 == tau2, 2.0, tau1 / tau2)
+    g = np.where(beta == 1, (expi(-x / tau2) - expi(-x / tau1)) / np.log(ratio), power)
+    return np.where(t > 0, g, 1.0)
+
+
+@dataclass(eq=False)
+class Malkin(Relaxation):
+    """:func:`malkin`."""
+
+    tau1: Number = 0.0
+    tau2: Number = 0.0
+    beta: Number = 0.0
+    parameters = ("tau1", "tau2", "beta")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return malkin(t, self.p("tau1", pts), self.p("tau2", pts), self.p("beta", pts))
+
+
+@dataclass(eq=False)
+class MalkinDistortion(Relaxation):
+    """:func:`malkin` with tau_i = t_i c0 + t_i c1 exp(-K2 / t_i s0)."""
+
+    t1c0: Number = 0.0
+    t1c1: Number = 0.0
+    t1s0: Number = 1.0
+    t2c0: Number = 0.0
+    t2c1: Number = 0.0
+    t2s0: Number = 1.0
+    beta: Number = 1.0
+    parameters = ("t1c0", "t1c1", "t1s0", "t2c0", "t2c1", "t2s0", "beta")
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        tau = [
+            self.p(f"{k}c0", pts) + self.p(f"{k}c1", pts) * np.exp(-K2 / self.p(f"{k}s0", pts))
+            for k in ("t1", "t2")
+        ]
+        return malkin(t, tau[0], tau[1], self.p("beta", pts))
+
+
+@dataclass(eq=False)
+class MalkinUser(Relaxation):
+    """:func:`malkin` with curves tau1(K2), tau2(K2), beta(K2)."""
+
+    tau1: Curve | None = None
+    tau2: Curve | None = None
+    beta: Curve | None = None
+    properties = {"tau1": Property("curve"), "tau2": Property("curve"), "beta": Property("curve")}
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return malkin(t, self.tau1(K2), self.tau2(K2), self.beta(K2))  # type: ignore[misc]
+
+
+def exponential_spectrum(t: Floats, tau: Floats) -> Floats:
+    """x K1(x), x = 2 (t/tau)^1/2, K1 the modified Bessel function."""
+    from scipy.special import k1
+
+    x = 2.0 * np.sqrt(np.where(t > 0, t, 1.0) / tau)
+    return np.where(t > 0, x * k1(x), 1.0)
+
+
+@dataclass(eq=False)
+class ExponentialSpectrum(Relaxation):
+    """:func:`exponential_spectrum`."""
+
+    tau: Number = 0.0
+    parameters = ("tau",)
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return exponential_spectrum(t, self.p("tau", pts))
+
+
+@dataclass(eq=False)
+class ExponentialSpectrumUser(Relaxation):
+    """:func:`exponential_spectrum` with a curve tau(K2)."""
+
+    tau: Curve | None = None
+    properties = {"tau": Property("curve")}
+
+    def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
+        return exponential_spectrum(t, self.tau(K2))  # type: ignore[misc]
+
+
+register(Exponential, "relaxation-exponential", "relaxation")
+register(ExponentialDistortion, "relaxation-exp-distortion", "relaxation")
+register(ExponentialUser, "relaxation-exp-dist-user", "relaxation")
+register(Fung, "relaxation-Fung", "relaxation")
+register(Park, "relaxation-Park", "relaxation")
+register(ParkDistortion, "relaxation-Park-distortion", "relaxation")
+register(ParkUser, "relaxation-Park-dist-user", "relaxation")
+register(Power, "relaxation-power", "relaxation")
+register(PowerDistortion, "relaxation-power-distortion", "relaxation")
+register(PowerUser, "relaxation-power-dist-user", "relaxation")
+register(Carreau, "relaxation-Carreau", "relaxation")
+register(Prony, "relaxation-Prony", "relaxation")
+register(Malkin, "relaxation-Malkin", "relaxation")
+register(MalkinDistortion, "relaxation-Malkin-distortion", "relaxation")
+register(MalkinUser, "relaxation-Malkin-dist-user", "relaxation")
+register(ExponentialSpectrum, "relaxation-CSexp", "relaxation")
+register(ExponentialSpectrumUser, "relaxation-CSexp-dist-user", "relaxation")

@@ -1,0 +1,102 @@
+"""Quasi-linear viscoelastic solids: a Prony series of an elastic stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.push import congruence
+from ..points import Points
+from .base import Floats, Number, Property, Solid
+from .registry import register
+from .uncoupled import Uncoupled, distortional
+
+_TERMS = 6
+
+
+@dataclass(eq=False)
+class _Series:
+    """S = g0 Se + sum_i g_i H_i, H_i(t) = exp(-dt/t_i) H_i(t - dt) + (1 - exp(-dt/t_i)) t_i/dt (Se - Se_old).
+
+    History: Se, H_1 ... H_6 (second Piola-Kirchhoff). Puso & Weiss, J. Biomech. Eng. 120 (1998) 62.
+    """
+
+    elastic: Solid | None = None
+    g0: Number = 1.0
+    g1: Number = 0.0
+    g2: Number = 0.0
+    g3: Number = 0.0
+    g4: Number = 0.0
+    g5: Number = 0.0
+    g6: Number = 0.0
+    t1: Number = 1.0
+    t2: Number = 1.0
+    t3: Number = 1.0
+    t4: Number = 1.0
+    t5: Number = 1.0
+    t6: Number = 1.0
+    parameters = ("g0", "g1", "g2", "g3", "g4", "g5", "g6", "t1", "t2", "t3", "t4", "t5", "t6")
+    properties = {"elastic": Property("solid")}
+    history = 6 + 6 * _TERMS
+
+    def _relax(
+        self, pts: Points, s: Floats, c: Floats | None, law: Callable[[Points, Floats, Floats | None], None]
+    ) -> None:
+        se = np.zeros((pts.n, 6))
+        ce = None if c is None else np.zeros((pts.n, 6, 6))
+        law(self.inner(pts), se, ce)  # type: ignore[attr-defined]
+        if pts.dt == 0:
+            if c is not None:
+                c += ce
+            return
+        g, tau = self.par(pts)[:, :7].T, self.par(pts)[:, 7:].T  # type: ignore[attr-defined]
+        x = pts.dt / tau
+        decay, rise = np.exp(-x), -np.expm1(-x) / x
+        at = self.offset  # type: ignore[attr-defined]
+        Se = np.empty_like(se)
+        congruence(np.linalg.inv(pts.F), pts.J, se, Se)
+        old = np.zeros((pts.n, self.history)) if pts.old is None else pts.old[:, at : at + self.history]
+        S = g[0][:, None] * Se
+        now = np.empty((pts.n, self.history))
+        now[:, :6] = Se
+        for k in range(_TERMS):
+            col = slice(6 + 6 * k, 12 + 6 * k)
+            now[:, col] = decay[k][:, None] * old[:, col] + rise[k][:, None] * (Se - old[:, :6])
+            S = S + g[k + 1][:, None] * now[:, col]
+        if pts.new is not None:
+            pts.new[:, at : at + self.history] = now
+        out = np.empty_like(se)
+        congruence(np.ascontiguousarray(pts.F), 1.0 / pts.J, S, out)
+        s += out
+        if c is not None and ce is not None:
+            c += (g[0] + (g[1:] * rise).sum(0))[:, None, None] * ce
+
+
+@dataclass(eq=False)
+class Viscoelastic(_Series, Solid):
+    """Viscoelastic solid over a compressible one; no stress outside a time step (dt = 0)."""
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        self._relax(pts, s, c, self.elastic.stress)  # type: ignore[union-attr]
+
+
+@dataclass(eq=False)
+class UncoupledViscoelastic(_Series, Uncoupled):
+    """Viscoelastic distortional stress over a nearly incompressible solid, whose bulk modulus it takes over."""
+
+    def __post_init__(self) -> None:
+        from ..values import as_value
+
+        k = self.elastic.k if isinstance(self.elastic, Uncoupled) else as_value(0.0)
+        super().__post_init__()
+        if self.k.constant and self.k(0.0, np.zeros((1, 3)))[0] == 0.0:  # type: ignore[union-attr, operator]
+            self.k = k
+
+    def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        self._relax(pts, s, c, distortional(self.elastic))  # type: ignore[arg-type]
+
+
+register(Viscoelastic, "viscoelastic")
+register(UncoupledViscoelastic, "uncoupled viscoelastic")
