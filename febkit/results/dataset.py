@@ -8,8 +8,7 @@ Dimensions: ``time``, ``node``, ``element``, ``local`` (nodes of an element), co
 from __future__ import annotations
 
 import re
-import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,13 +19,14 @@ from xarray.core import indexing
 from . import units
 from .fields import Field, Places, components
 from .xplt.reader import PlotFile
-from .xplt.records import PlotMesh, PlotSurface, PlotVariable
+from .xplt.records import MeshOutline, PlotMesh, PlotSurface, PlotVariable
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
 
-COMPONENTS = {"xyz", "voigt", "tensor", "principal", "voigt4"}
-_LOCK = threading.Lock()
+
+
+Make = Callable[[], np.ndarray]
 
 
 class FrameArray(BackendArray):
@@ -75,6 +75,22 @@ def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:
     return tuple(np.squeeze(np.broadcast_arrays(*grid)[i], axis=drop) for i in range(len(grid)))
 
 
+class MeshArray(BackendArray):
+    """An array of the mesh, read when touched."""
+
+    def __init__(self, shape: tuple[int, ...], dtype: np.dtype, make: Make) -> None:
+        self.shape, self.dtype, self.make = shape, dtype, make
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._get
+        )
+
+    def _get(self, key: tuple[Any, ...]) -> np.ndarray:
+        whole = self.make() if all(self.shape) else np.empty(self.shape, self.dtype)
+        return np.asarray(whole[key], self.dtype)
+
+
 class ElementStates:
     """Flags of the elements, 1 where an element is active, as frames."""
 
@@ -94,10 +110,10 @@ class ElementStates:
 def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
     """The dataset of one mesh of a plotfile and the states that live on it."""
     states = np.array([i for i, s in enumerate(f.states) if max(s.mesh, 0) == mesh], dtype=int)
-    m = f.mesh(mesh)
-    places = Places(m)
-    coords, attrs = _coords(f, m, states)
-    coords |= _sets(m)
+    outline = f.outline(mesh)
+    places = Places(outline, lambda: f.mesh(mesh))
+    coords, attrs = _coords(f, mesh, states)
+    coords |= _sets(outline)
     data: dict[Hashable, xr.Variable] = {}
     for i, v in enumerate(f.variables):
         if v.section == "material":  # of versions below 8; FEBio never wrote data there
@@ -109,7 +125,7 @@ def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
         data[name] = xr.Variable(("time", *dims), lazy, _attrs(f, v, i, field))
         coords |= {k: c for k, c in extra.items() if k not in coords}
     coords |= _shared(f, places, apart)
-    _states(f, states, m, data)
+    _states(f, states, outline, data)
     ds = xr.Dataset(data, coords, attrs)
     ds.encoding["source"] = str(f.container.path)
     ds.set_close(f.close)
@@ -185,38 +201,39 @@ def short_times(times: np.ndarray) -> np.ndarray:
     return np.array([float(str(t)) for t in times.astype(np.float32)], np.float64)
 
 
-def _coords(f: PlotFile, m: PlotMesh, states: np.ndarray) -> tuple[dict[Hashable, Any], dict[str, Any]]:
-    names = part_names(m)
-    types = list(dict.fromkeys(d.type for d in m.domains))
-    sizes = [len(d.element_ids) for d in m.domains]
-    width = max((d.conn.shape[1] for d in m.domains), default=0)
-    conn = np.full((sum(sizes), width), -1, np.int32)
-    at = 0
-    for d in m.domains:
-        conn[at : at + len(d.conn), : d.conn.shape[1]] = d.conn
-        at += len(d.conn)
-    ids = [d.element_ids for d in m.domains]
+def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, Any], dict[str, Any]]:
+    o = f.outline(mesh)
+    names, sizes = o.part_names, [d.count for d in o.domains]
+    types = list(dict.fromkeys(d.type for d in o.domains))
+    kinds = np.array([types.index(d.type) for d in o.domains], np.int32)
+    n, e = o.n_nodes, o.n_elements
+    width = max((d.width for d in o.domains), default=0)
+
+    def later(dims: tuple[str, ...], shape: tuple[int, ...], kind: str, make: Make) -> Any:
+        return xr.Variable(dims, indexing.LazilyIndexedArray(MeshArray(shape, np.dtype(kind), make)))
+
+    def conn() -> np.ndarray:
+        return _connectivity(f.mesh(mesh), width)
+
     coords: dict[Hashable, Any] = {
         "time": xr.Variable(("time",), short_times(f.times[states])),
         "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
-        "node_id": xr.Variable(("node",), m.node_ids),
-        "X": xr.Variable(("node", "xyz"), m.X, {"long_name": "reference coordinates"}),
-        "element_id": xr.Variable(("element",), np.concatenate(ids) if ids else np.empty(0, np.int32)),
-        "part": xr.Variable(("element",), np.repeat(np.arange(len(names), dtype=np.int32), sizes)),
-        "element_type": xr.Variable(
-            ("element",), np.repeat(np.array([types.index(d.type) for d in m.domains], np.int32), sizes)
-        ),
-        "connectivity": xr.Variable(("element", "local"), conn),
+        "node_id": later(("node",), (n,), "i4", lambda: f.mesh(mesh).node_ids),
+        "X": later(("node", "xyz"), (n, 3), "f4", lambda: f.mesh(mesh).X),
+        "element_id": later(("element",), (e,), "i4", lambda: _ids(f.mesh(mesh))),
+        "part": later(("element",), (e,), "i4", lambda: np.repeat(np.arange(len(names)), sizes)),
+        "element_type": later(("element",), (e,), "i4", lambda: np.repeat(kinds, sizes)),
+        "connectivity": later(("element", "local"), (e, width), "i4", conn),
     }
+    coords["X"].attrs["long_name"] = "reference coordinates"
     if f.header.units:
-        length = units.resolve("L", f.header.units)
-        coords["X"].attrs["units"] = length
+        coords["X"].attrs["units"] = units.resolve("L", f.header.units)
         coords["time"].attrs["units"] = units.resolve("t", f.header.units)
     attrs: dict[str, Any] = {"febio_version": f.version, "febio_compression": f.header.compression}
     for key, value in (
-        ("parts", names), ("element_types", types), ("part_materials", [d.part_id for d in m.domains]),
-        ("part_sizes", sizes), ("part_named", [int(d.name is not None) for d in m.domains]),
-        ("materials", [n for _, n in m.parts]), ("material_ids", [i for i, _ in m.parts]),
+        ("parts", names), ("element_types", types), ("part_materials", [d.part_id for d in o.domains]),
+        ("part_sizes", sizes), ("part_named", [int(d.name is not None) for d in o.domains]),
+        ("materials", [n for _, n in o.parts]), ("material_ids", [i for i, _ in o.parts]),
         ("software", f.header.software), ("author", f.header.author), ("unit_system", f.header.units),
     ):
         if value:
@@ -224,19 +241,21 @@ def _coords(f: PlotFile, m: PlotMesh, states: np.ndarray) -> tuple[dict[Hashable
     return coords, attrs
 
 
-def part_names(m: PlotMesh) -> list[str]:
-    """One name per domain: its own, its material's, or a number; made unique."""
-    materials = dict(m.parts)
-    out: list[str] = []
-    for i, d in enumerate(m.domains):
-        name = d.name or materials.get(d.part_id) or f"part{i + 1}"
-        if name in out:
-            name = next(f"{name}_{k}" for k in range(2, len(out) + 3) if f"{name}_{k}" not in out)
-        out.append(name)
-    return out
+def _ids(m: PlotMesh) -> np.ndarray:
+    return np.concatenate([d.element_ids for d in m.domains])
 
 
-def _sets(m: PlotMesh) -> dict[Hashable, Any]:
+def _connectivity(m: PlotMesh, width: int) -> np.ndarray:
+    """(element, local) node indices padded with -1."""
+    conn = np.full((m.n_elements, width), -1, np.int32)
+    at = 0
+    for d in m.domains:
+        conn[at : at + len(d.conn), : d.conn.shape[1]] = d.conn
+        at += len(d.conn)
+    return conn
+
+
+def _sets(m: MeshOutline) -> dict[Hashable, Any]:
     """Sets, one after the other in one array each; names and sizes in its attributes."""
     out: dict[Hashable, Any] = {}
     for key, sets in (("node_set", m.node_sets), ("element_set", m.element_sets)):
@@ -277,23 +296,23 @@ def _shared(f: PlotFile, p: Places, apart: bool) -> dict[Hashable, Any]:
     kinds = {(v.section, v.format) for v in f.variables}
     for section, used in (("domain", apart), ("surface", True), ("edge", True)):
         if used and (section, "node") in kinds:
-            nodes = [p.nodes(section, i) for i in range(len(p.of(section)))]
+            nodes = [p.nodes(section, i) for i in range(p.count(section))]
             flat = np.concatenate(nodes).astype(np.int32) if nodes else np.empty(0, np.int32)
             out[f"{section}_node_index"] = xr.Variable((f"{section}_node",), flat)
     return out
 
 
-def _states(f: PlotFile, states: np.ndarray, m: PlotMesh, data: dict[Hashable, xr.Variable]) -> None:
+def _states(f: PlotFile, states: np.ndarray, o: MeshOutline, data: dict[Hashable, xr.Variable]) -> None:
     """Status of each state and flags of the elements, where the file has them."""
     if not len(states):
         return
     layout = f.layout(int(states[0]))
     if layout.status >= 0:
-        status = np.array([f.status(int(i)) for i in states], np.int32)
-        data["state_status"] = xr.Variable(("time",), status, {"long_name": "0 converged, 1 new mesh, 2 not"})
+        meaning = {"long_name": "0 converged, 1 new mesh, 2 not converged"}
+        data["state_status"] = xr.Variable(("time",), f.statuses[states], meaning)
     if layout.flags is not None:
         lazy = indexing.LazilyIndexedArray(
-            FrameArray(ElementStates(f, states, m.n_elements), len(states))
+            FrameArray(ElementStates(f, states, o.n_elements), len(states))
         )
         data["element_state"] = xr.Variable(("time", "element"), lazy, {"long_name": "1 where active"})
     if layout.objects is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ import numpy as np
 from febkit.model import InputError
 
 from .xplt.reader import PlotFile
-from .xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
+from .xplt.records import MeshOutline, PlotMesh, PlotSurface, PlotVariable
 
 Place = slice | np.ndarray
 
@@ -19,16 +19,20 @@ Place = slice | np.ndarray
 class Places:
     """Where each region's items belong in arrays over the whole mesh."""
 
-    def __init__(self, mesh: PlotMesh) -> None:
+    def __init__(self, outline: MeshOutline, mesh: Callable[[], PlotMesh]) -> None:
+        self.outline = outline
         self.mesh = mesh
-        self.elements = _spans([len(d.element_ids) for d in mesh.domains])
-        self.facets = _spans([len(s.rows()) for s in mesh.surfaces])
-        self.lines = _spans([len(s.rows()) for s in mesh.edges])
+        self.elements = _spans([d.count for d in outline.domains])
+        self.facets = _spans([len(s.rows()) for s in outline.surfaces])
+        self.lines = _spans([len(s.rows()) for s in outline.edges])
         self._nodes: dict[tuple[str, int], np.ndarray] = {}
 
-    def of(self, section: str) -> Sequence[PlotDomain] | Sequence[PlotSurface]:
-        m = self.mesh
-        return {"domain": m.domains, "surface": m.surfaces, "edge": m.edges}[section]
+    def count(self, section: str) -> int:
+        """Regions of a section."""
+        return len(self.items(section))
+
+    def surfaces(self, section: str) -> Sequence[PlotSurface]:
+        return self.outline.surfaces if section == "surface" else self.outline.edges
 
     def items(self, section: str) -> list[slice]:
         return {"domain": self.elements, "surface": self.facets, "edge": self.lines}[section]
@@ -37,18 +41,23 @@ class Places:
         """Node indices of a region in first-seen order, found once."""
         key = (section, index)
         if key not in self._nodes:
-            self._nodes[key] = self.of(section)[index].nodes()
+            r = self.mesh().domains[index] if section == "domain" else self.surfaces(section)[index]
+            self._nodes[key] = r.nodes()
         return self._nodes[key]
 
     def region_nodes(self, section: str) -> list[slice]:
         """Spans of the regions' own node lists, one after the other."""
-        return _spans([len(self.nodes(section, i)) for i in range(len(self.of(section)))])
+        return _spans([len(self.nodes(section, i)) for i in range(self.count(section))])
+
+    def local(self, section: str, index: int) -> int:
+        """Local nodes of a region's elements or facets."""
+        if section == "domain":
+            return self.outline.domains[index].width
+        return int(self.surfaces(section)[index].rows().shape[1])
 
     def width(self, section: str) -> int:
         """Local nodes of the widest element or facet."""
-        if section == "domain":
-            return max((d.conn.shape[1] for d in self.mesh.domains), default=0)
-        return max((s.rows().shape[1] for s in self.of(section)), default=0)  # type: ignore[union-attr]
+        return max((self.local(section, i) for i in range(self.count(section))), default=0)
 
 
 def _spans(sizes: Sequence[int]) -> list[slice]:
@@ -83,7 +92,7 @@ class Field:
     def _rows(self) -> int:
         v, p = self.variable, self.places
         if v.section == "node" or (v.section == "domain" and v.format == "node" and not self.apart):
-            return len(p.mesh.node_ids)
+            return p.outline.n_nodes
         return self._spans[-1].stop if self._spans else 0
 
     def _region_spans(self) -> list[slice]:
@@ -93,7 +102,7 @@ class Field:
         if v.format == "node":
             return p.region_nodes(v.section) if self.apart or v.section != "domain" else []
         if v.format == "region":
-            return _spans([1] * len(p.of(v.section)))
+            return _spans([1] * p.count(v.section))
         return p.items(v.section)
 
     def place(self, region: int) -> tuple[Place, int, int]:
@@ -103,17 +112,13 @@ class Field:
             if region:
                 raise self._bad(region, "all nodes are region 0")
             return slice(None), self._rows() if v.section == "node" else 1, 0
-        of = p.of(v.section)
-        if not 1 <= region <= len(of):
-            raise self._bad(region, f"the mesh has {len(of)}")
+        if not 1 <= region <= p.count(v.section):
+            raise self._bad(region, f"the mesh has {p.count(v.section)}")
         if v.format == "node" and v.section == "domain" and not self.apart:
             nodes = p.nodes("domain", region - 1)
             return nodes, len(nodes), 0
         span = self._spans[region - 1]
-        r = of[region - 1]
-        local = 0
-        if v.format == "mult":
-            local = r.conn.shape[1] if isinstance(r, PlotDomain) else r.rows().shape[1]
+        local = p.local(v.section, region - 1) if v.format == "mult" else 0
         return span, span.stop - span.start, local
 
     def _bad(self, region: int, why: str) -> InputError:
@@ -156,9 +161,11 @@ class Field:
         v = self.variable
         if v.section in ("node", "global"):
             return bool(regions)
-        if (v.format == "node" and v.section == "domain" and not self.apart) or v.format == "mult":
+        if v.format == "mult":
             return False
-        return len(set(regions)) == len(self.places.of(v.section))
+        if v.format == "node" and v.section == "domain" and not self.apart:
+            return any(len(self.place(r)[0]) == self.shape[0] for r in regions)  # type: ignore[arg-type]
+        return len(set(regions)) == self.places.count(v.section)
 
     def _sized(self, values: np.ndarray, region: int, rows: int) -> np.ndarray:
         want = rows * self.variable.values

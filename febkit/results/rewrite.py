@@ -10,7 +10,7 @@ import numpy as np
 from . import mesh as meshes
 from .fields import Places
 from .xplt.reader import PlotFile
-from .xplt.records import PlotDomain, PlotVariable
+from .xplt.records import DomainHead, MeshOutline, PlotMesh, PlotVariable
 from .xplt.writer import PlotWriter
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def write(ds: xr.Dataset, path: Path, *, version: int | None = None, compress: b
         units=ds.attrs.get("unit_system"),
         author=ds.attrs.get("author"),
     )
-    places = Places(m)
+    places = Places(_outline(m), lambda: m)
     with writer:
         for t in range(ds.sizes["time"]):
             data = {i: _regions(ds[n], v, t, places) for i, (n, v) in enumerate(zip(names, variables))}
@@ -81,6 +81,12 @@ def copy(source: Path, target: Path, *, version: int | None = None, compress: bo
                         data[k] = found
                 flags = f.element_state(t)
                 w.state(f.time(t), data, f.status(t), flags, f.objects(t))
+
+
+def _outline(m: PlotMesh) -> MeshOutline:
+    heads = [DomainHead(d.type, d.part_id, d.name, len(d.element_ids)) for d in m.domains]
+    sets = (m.surfaces, m.node_sets, m.element_sets, m.parts, m.facet_sets, m.edges)
+    return MeshOutline(len(m.node_ids), heads, *sets, m.objects)
 
 
 def _version(v: int) -> int:
@@ -138,7 +144,7 @@ def _regions(a: xr.DataArray, v: PlotVariable, t: int, p: Places) -> dict[int, n
         return {} if values.size and np.isnan(values).all() else {0: values}
     listed = meshes.numbers(a, "febio_regions")
     out = {}
-    for i in range(len(p.of(v.section))):
+    for i in range(p.count(v.section)):
         part = _region(values, v, i, p, "domain_node" in a.dims)
         if part.size and not np.isnan(part).all() and (not listed or i + 1 in listed or t):
             out[i + 1] = part
@@ -154,10 +160,9 @@ def _region(values: np.ndarray, v: PlotVariable, i: int, p: Places, apart: bool)
     rows = np.asarray(values[p.items(v.section)[i]])
     if v.format == "item":
         return rows
-    r = p.of(v.section)[i]
-    if isinstance(r, PlotDomain):
-        return rows[:, : r.conn.shape[1]]
-    nodes = r.rows()
+    if v.section == "domain":
+        return rows[:, : p.local("domain", i)]
+    nodes = p.surfaces(v.section)[i].rows()
     own: np.ndarray = rows[:, : nodes.shape[1]].copy()
     own[nodes < 0] = 0  # FEBio pads facets with zeros
     return own

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 
 from febkit.model import InputError
@@ -9,7 +12,7 @@ from febkit.model import InputError
 from . import tags
 from .container import Bytes, Container
 from .header import Header, parts
-from .records import PlotDomain, PlotMesh, PlotSurface
+from .records import DomainHead, MeshOutline, PlotDomain, PlotMesh, PlotSurface
 
 _OLD_COORDS = 0x01041001  # versions below 8
 
@@ -21,32 +24,56 @@ _NODESET = (tags.NODESET, tags.NODESET_HDR, tags.NODESET_NAME, tags.NODESET_LIST
 _ELEMENTSET = (tags.ELEMENTSET, tags.ELEMENTSET_HDR, tags.ELEMENTSET_NAME, tags.ELEMENTSET_LIST)
 
 
-def read(c: Container, section: Bytes, h: Header) -> PlotMesh:
-    """One mesh section."""
+def outline(c: Container, section: Bytes, h: Header) -> MeshOutline:
+    """Everything of a mesh section but coordinates and elements."""
     found = dict(c.children(section, "mesh"))
-    if tags.NODE_SECTION not in found:
-        raise InputError("the mesh has no nodes", c.where)
-    ids, X = _nodes(c, found[tags.NODE_SECTION], h)
-    n = len(ids)
     none = Bytes(b"", 0, 0)
+    n = _node_rows(c, found.get(tags.NODE_SECTION, none), h).count
     facets = _surfaces(c, found.get(tags.FACETSET_SECTION, none), _FACETSET, n, h.version, None)
     objects = found.get(tags.OBJECTS_SECTION, none)
     old = h.facet_nodes if h.version < 8 else None
     surfaces = _surfaces(c, found.get(tags.SURFACE_SECTION, none), _SURFACE, n, h.version, old)
-    return PlotMesh(
-        node_ids=ids,
-        X=X,
-        domains=_domains(c, found.get(tags.DOMAIN_SECTION, none), n),
+    materials = h.parts
+    if tags.PARTS_SECTION in found:
+        materials = parts(c, found[tags.PARTS_SECTION], (tags.PART, tags.PART_ID, tags.PART_NAME))
+    return MeshOutline(
+        n_nodes=n,
+        domains=[d for d, _ in _domain_heads(c, found.get(tags.DOMAIN_SECTION, none))],
         surfaces=surfaces,
         node_sets=_node_sets(c, found.get(tags.NODESET_SECTION, none), n),
         element_sets=_sets(c, found.get(tags.ELEMENTSET_SECTION, none), _ELEMENTSET),
-        parts=parts(c, found[tags.PARTS_SECTION], (tags.PART, tags.PART_ID, tags.PART_NAME))
-        if tags.PARTS_SECTION in found
-        else h.parts,
+        parts=materials,
         facet_sets=None if _same(surfaces, facets) else facets,
         edges=_surfaces(c, found.get(tags.EDGE_SECTION, none), _EDGE, n, h.version, None),
         objects=bytes(objects.data[objects.start : objects.stop]),
     )
+
+
+def read(c: Container, section: Bytes, h: Header, o: MeshOutline) -> PlotMesh:
+    """The whole mesh section."""
+    found = dict(c.children(section, "mesh"))
+    none = Bytes(b"", 0, 0)
+    ids, X = _nodes(c, _node_rows(c, found.get(tags.NODE_SECTION, none), h), h)
+    return PlotMesh(
+        node_ids=ids,
+        X=X,
+        domains=_domains(c, found.get(tags.DOMAIN_SECTION, none), len(ids)),
+        surfaces=o.surfaces,
+        node_sets=o.node_sets,
+        element_sets=o.element_sets,
+        parts=o.parts,
+        facet_sets=o.facet_sets,
+        edges=o.edges,
+        objects=o.objects,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _NodeRows:
+    count: int
+    dim: int
+    data: Bytes
+    old: bool  # (x, y, z) rows, before version 8; (id, x, y, z) since
 
 
 def _same(a: list[PlotSurface], b: list[PlotSurface]) -> bool:
@@ -63,8 +90,8 @@ def _trim(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return wide[0], wide[1]
 
 
-def _nodes(c: Container, section: Bytes, h: Header) -> tuple[np.ndarray, np.ndarray]:
-    """Ids and reference coordinates; rows are (id, x, y, z) since version 8, (x, y, z) before."""
+def _node_rows(c: Container, section: Bytes, h: Header) -> _NodeRows:
+    """Where the nodes lie."""
     size, dim, data, old = h.nodes, 3, None, True
     for tag, b in c.children(section, "node section"):
         if tag == tags.NODE_HEADER:
@@ -80,21 +107,30 @@ def _nodes(c: Container, section: Bytes, h: Header) -> tuple[np.ndarray, np.ndar
     have, want = (data.stop - data.start) // 4, size * (3 if old else dim + 1)
     if have != want:
         raise InputError(f"{size} nodes need {want} numbers, the file has {have}", c.where)
-    if old:
-        return np.arange(1, size + 1, dtype=np.int32), c.floats(data).reshape(size, 3).astype("=f4")
-    rows = c.words(data).reshape(size, dim + 1)
-    ids = rows[:, 0].astype("=i4") if h.version >= 0x33 else np.arange(1, size + 1, dtype=np.int32)
-    X = np.zeros((size, 3), np.float32)
-    X[:, :dim] = c.floats(data).reshape(size, dim + 1)[:, 1:]
+    return _NodeRows(size, dim, data, old)
+
+
+def _nodes(c: Container, rows: _NodeRows, h: Header) -> tuple[np.ndarray, np.ndarray]:
+    """Ids and reference coordinates."""
+    n = rows.count
+    plain = np.arange(1, n + 1, dtype=np.int32)
+    if rows.old:
+        return plain, c.floats(rows.data).reshape(n, 3).astype("=f4")
+    words = c.words(rows.data).reshape(n, rows.dim + 1)
+    ids = words[:, 0].astype("=i4") if h.version >= 0x33 else plain  # an index before version 0x33
+    X = np.zeros((n, 3), np.float32)
+    X[:, : rows.dim] = c.floats(rows.data).reshape(n, rows.dim + 1)[:, 1:]
     return ids, X
 
 
-def _domains(c: Container, section: Bytes, n_nodes: int) -> list[PlotDomain]:
-    out: list[PlotDomain] = []
+def _domain_heads(c: Container, section: Bytes) -> Iterator[tuple[DomainHead, Bytes]]:
+    """Each domain's head and its block of elements."""
+    number = 0
     for tag, b in c.children(section, "domain section"):
         if tag != tags.DOMAIN:
             continue
-        code, part, count, name, rows = -1, 0, None, None, None
+        number += 1
+        code, part, count, name, rows = -1, 0, None, None, Bytes(b"", 0, 0)
         for k, v in c.children(b, "domain"):
             if k == tags.DOM_ELEM_LIST:
                 rows = v
@@ -109,14 +145,21 @@ def _domains(c: Container, section: Bytes, n_nodes: int) -> list[PlotDomain]:
                     elif kk == tags.DOM_NAME:
                         name = c.text(vv)
         if not 0 <= code < len(tags.ELEMENT_TYPES):
-            raise InputError(f"domain {len(out) + 1} has unknown element type {code}", c.where)
+            raise InputError(f"domain {number} has unknown element type {code}", c.where)
         type_, width = tags.ELEMENT_TYPES[code]
-        elements = _rows(c, rows, f"elements of domain {len(out) + 1}", width + 1)
-        if count is not None and count != len(elements):
-            raise InputError(f"domain {len(out) + 1} lists {len(elements)} of {count} elements", c.where)
-        conn = elements[:, 1:]
-        _inside(c, conn, n_nodes, f"domain {len(out) + 1}")
-        out.append(PlotDomain(type_, part, name, elements[:, 0], conn))
+        have = (rows.stop - rows.start) / (4 * width + 12)
+        if have != int(have) or (count is not None and count != have):
+            raise InputError(f"domain {number} lists {have:g} of {count} {type_} elements", c.where)
+        yield DomainHead(type_, part, name, int(have)), rows
+
+
+def _domains(c: Container, section: Bytes, n_nodes: int) -> list[PlotDomain]:
+    out: list[PlotDomain] = []
+    for d, b in _domain_heads(c, section):
+        what = f"domain {len(out) + 1}"
+        rows = _rows(c, b, what, d.width + 1)
+        _inside(c, rows[:, 1:], n_nodes, what)
+        out.append(PlotDomain(d.type, d.part_id, d.name, rows[:, 0], rows[:, 1:]))
     return out
 
 

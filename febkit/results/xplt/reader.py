@@ -12,7 +12,7 @@ from febkit.model import InputError
 
 from . import header, meshes, tags
 from .container import Block, Bytes, Container
-from .records import PlotMesh
+from .records import MeshOutline, PlotMesh
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,7 @@ class PlotFile:
         self.variables = self.header.variables
         self.states: list[State] = []
         self._mesh_at: list[Bytes | Block] = [self.header.mesh] if self.header.mesh else []
+        self._outlines: dict[int, MeshOutline] = {}
         self._meshes: dict[int, PlotMesh] = {}
         self._layouts: dict[int, Layout] = {}
         self._seen = 0
@@ -72,13 +73,25 @@ class PlotFile:
     def n_meshes(self) -> int:
         return len(self._mesh_at)
 
+    def _section(self, i: int) -> Bytes:
+        if not self._mesh_at:
+            raise InputError("the plotfile has no mesh (was its writing cut short?)", self.container.where)
+        if not 0 <= i < len(self._mesh_at):
+            raise InputError(f"there is no mesh {i}: the plotfile has {self.n_meshes}", self.container.where)
+        at = self._mesh_at[i]
+        return at if isinstance(at, Bytes) else self.container.payload(at)
+
+    def outline(self, i: int = 0) -> MeshOutline:
+        """A mesh's names, sets and sizes."""
+        if i not in self._outlines:
+            self._outlines[i] = meshes.outline(self.container, self._section(i), self.header)
+        return self._outlines[i]
+
     def mesh(self, i: int = 0) -> PlotMesh:
+        """A whole mesh."""
         if i not in self._meshes:
-            if not 0 <= i < len(self._mesh_at):
-                raise InputError(f"the plotfile has {len(self._mesh_at)} meshes", self.container.where)
-            at = self._mesh_at[i]
-            section = at if isinstance(at, Bytes) else self.container.payload(at)
-            self._meshes[i] = meshes.read(self.container, section, self.header)
+            made = meshes.read(self.container, self._section(i), self.header, self.outline(i))
+            self._meshes[i] = made
         return self._meshes[i]
 
     def payload(self, state: int) -> Bytes:
@@ -104,12 +117,21 @@ class PlotFile:
         while i < len(out):
             n = self._run(i)
             if n > 1:
-                block = self.states[i].block
-                at = block.start + 8 + self.layout(i).time
-                out[i : i + n] = self._strided(at, block.stop - block.start, n, i)
+                out[i : i + n] = self._strided(i, n, self.layout(i).time, "f4")
             else:
                 out[i] = self.time(i)
             i += n
+        return out
+
+    @property
+    def statuses(self) -> np.ndarray:
+        """(state,) 0 converged, 1 the mesh changed, 2 not converged."""
+        out = np.zeros(len(self.states), np.int32)
+        i = 0
+        while i < len(out):
+            n, at = self._run(i), self.layout(i).status
+            out[i : i + n] = self._strided(i, n, at, "i4") if n > 1 and at >= 0 else self.status(i)
+            i += n if at >= 0 else 1
         return out
 
     def _run(self, i: int) -> int:
@@ -124,12 +146,15 @@ class PlotFile:
             n += 1
         return n
 
-    def _strided(self, at: int, step: int, n: int, i: int) -> np.ndarray:
-        """Times of a run of states, where their headers agree in layout."""
-        heads = np.ndarray((n, 3), self.container.order + "u4", self.container.data, at - 8, (step, 4))
+    def _strided(self, i: int, n: int, at: int, kind: str) -> np.ndarray:
+        """One word of each header of a run of states, where their headers agree in layout."""
+        block, order, data = self.states[i].block, self.container.order, self.container.data
+        start, step = block.start + 8 + at, block.stop - block.start
+        heads = np.ndarray((n, 3), order + "u4", data, start - 8, (step, 4))
         if (heads[:, :2] != heads[0, :2]).any():
-            return np.array([self.time(k) for k in range(i, i + n)], np.float32)
-        return np.ndarray((n,), self.container.order + "f4", self.container.data, at, (step,))
+            one = self.time if kind == "f4" else self.status
+            return np.array([one(k) for k in range(i, i + n)], kind)
+        return np.ndarray((n,), order + kind, data, start, (step,))
 
     def time(self, state: int) -> float:
         known = self._packed_time(self.states[state].block)

@@ -28,9 +28,17 @@ class PlotDomain:
 
     def nodes(self) -> Ints:
         """Node indices in the order in which the elements first name them: the order of FMT_NODE data."""
-        flat = np.asarray(self.conn).reshape(-1)
-        _, first = np.unique(flat, return_index=True)
-        return flat[np.sort(first)]
+        return first_seen(np.asarray(self.conn).reshape(-1))
+
+
+def first_seen(nodes: Ints) -> Ints:
+    """Each value once, in order of appearance."""
+    if not nodes.size:
+        return nodes
+    order = np.arange(nodes.size)
+    first = np.empty(int(nodes.max()) + 1, order.dtype)
+    first[nodes[::-1]] = order[::-1]  # the last assignment stays: the first appearance
+    return np.asarray(nodes[first[nodes] == order])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,9 +62,7 @@ class PlotSurface:
     def nodes(self) -> Ints:
         """Node indices in first-seen order: the order of FMT_NODE surface data."""
         flat = self.rows().reshape(-1)
-        flat = flat[flat >= 0]
-        _, first = np.unique(flat, return_index=True)
-        return flat[np.sort(first)]
+        return first_seen(flat[flat >= 0])
 
 
 def _widen(rows: Ints, width: int | None) -> Ints:
@@ -83,6 +89,51 @@ class PlotMesh:
     @property
     def n_elements(self) -> int:
         return sum(len(d.element_ids) for d in self.domains)
+
+
+@dataclass(frozen=True, slots=True)
+class DomainHead:
+    """A domain without its elements."""
+
+    type: str
+    part_id: int
+    name: str | None
+    count: int
+
+    @property
+    def width(self) -> int:
+        return tags.ELEMENT_TYPES[tags.ELEMENT_CODE[self.type]][1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshOutline:
+    """A mesh without its nodes' coordinates and its elements: what can be said without reading them."""
+
+    n_nodes: int
+    domains: Sequence[DomainHead]
+    surfaces: Sequence[PlotSurface]
+    node_sets: Mapping[str, ArrayLike]
+    element_sets: Mapping[str, ArrayLike]
+    parts: Sequence[tuple[int, str]]
+    facet_sets: Sequence[PlotSurface] | None
+    edges: Sequence[PlotSurface]
+    objects: bytes
+
+    @property
+    def n_elements(self) -> int:
+        return sum(d.count for d in self.domains)
+
+    @property
+    def part_names(self) -> list[str]:
+        """One name per domain: its own, its material's, or a number; made unique."""
+        materials = dict(self.parts)
+        out: list[str] = []
+        for i, d in enumerate(self.domains):
+            name = d.name or materials.get(d.part_id) or f"part{i + 1}"
+            if name in out:
+                name = next(f"{name}_{k}" for k in range(2, len(out) + 3) if f"{name}_{k}" not in out)
+            out.append(name)
+        return out
 
 
 @dataclass(frozen=True, slots=True)
