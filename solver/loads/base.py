@@ -73,14 +73,14 @@ def patches(
     return tuple(Patch.of(k, c, X, rows.get(k), rules.get(k)) for k, c in facets.items() if len(c))
 
 
-def scalar(v: Value, t: float, patch: Patch) -> Floats:
+def scalar(v: Number, t: float, patch: Patch) -> Floats:
     """A value at the points of a patch: (1,) or (f g,)."""
-    return np.ascontiguousarray(v(t, patch.points, patch.items), dtype=float)
+    return np.ascontiguousarray(as_value(v)(t, patch.points, patch.items), dtype=float)
 
 
-def vector(v: Sequence[Value], t: float, X: Floats, items: Ints) -> Floats:
+def vector(v: Vector, t: float, X: Floats, items: Ints) -> Floats:
     """Three values at points: (1|n, 3)."""
-    parts = [x(t, X, items) for x in v]
+    parts = [as_value(x)(t, X, items) for x in v]
     out = np.empty((max(len(c) for c in parts), 3))
     for i, c in enumerate(parts):
         out[:, i] = c

@@ -66,7 +66,7 @@ class Bearing(SurfaceLoad):
         nodes = np.unique(np.concatenate([p.conn.ravel() for p in self.surface]))
         axis = cylinder_axis(X[nodes])
         across = np.asarray(self.force) - axis * (axis @ np.asarray(self.force)) / (axis @ axis)
-        return across / np.linalg.norm(across)
+        return np.asarray(across / np.linalg.norm(across))
 
     def _pressures(self, state: State) -> list[tuple[Patch, Floats]]:
         """Traction along the normal at the points of each patch."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..kernels import body as kernels
-from ..points import Points
 from .base import Floats, Ints, Matrices
 
 if TYPE_CHECKING:
@@ -94,18 +93,9 @@ class BodyLoad:
 
 def positions(state: State, group: Group) -> Floats:
     """Current positions (n, 3) of the points of a group."""
-    return np.einsum("ga,eai->egi", group.N, state.x[group.conn]).reshape(-1, 3)
+    return np.asarray(np.einsum("ga,eai->egi", group.N, state.x[group.conn]).reshape(-1, 3))
 
 
 def velocities(state: State, group: Group) -> Floats:
     """Velocities (n, 3) of the points of a group."""
-    return np.einsum("ga,eai->egi", group.N, state.velocity[group.conn]).reshape(-1, 3)
-
-
-def at(v: Any, t: float, pts: Points) -> Floats:
-    """Three values at points: (1|n, 3)."""
-    parts = [x(t, pts.X, pts.e) for x in v]
-    out = np.empty((max(len(c) for c in parts), 3))
-    for i, c in enumerate(parts):
-        out[:, i] = c
-    return out
+    return np.asarray(np.einsum("ga,eai->egi", group.N, state.velocity[group.conn]).reshape(-1, 3))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from ..points import Points
 from ..values import as_value
 from . import register
-from .base import Floats, Number, Vector, as_vector
-from .body import BodyLoad, Group, at
+from .base import Floats, Number, Vector, as_vector, vector
+from .body import BodyLoad, Group
 
 if TYPE_CHECKING:
     from ..state import State
@@ -26,7 +26,7 @@ class BodyForce(BodyLoad):
 
     def force(self, pts: Points) -> Floats:
         """Acceleration (1|n, 3) at points; it drives the fluid of biphasic blocks too."""
-        return -at(self.given, pts.t, pts)
+        return -vector(self.given, pts.t, pts.X, pts.e)
 
     def acceleration(self, state: State, group: Group) -> Floats:
         pts = group.points()

@@ -31,10 +31,11 @@ class Centrifugal(BodyLoad):
     def _matrix(self, t: float) -> Floats:
         n = np.asarray(self.rotation_axis, dtype=float)
         w = float(self.angular_speed(t, np.zeros((1, 3)))[0])  # type: ignore[operator]
-        return w * w * (np.eye(3) - np.outer(n, n))
+        return np.asarray(w * w * (np.eye(3) - np.outer(n, n)))
 
     def acceleration(self, state: State, group: Group) -> Floats:
-        return (positions(state, group) - np.asarray(self.rotation_center)) @ self._matrix(state.time)
+        arm = positions(state, group) - np.asarray(self.rotation_center)
+        return np.asarray(arm @ self._matrix(state.time))
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:
         return self._matrix(state.time)[None]
