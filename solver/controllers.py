@@ -192,7 +192,7 @@ def _fitted(x: Floats, y: Floats, breaks: Floats, order: int) -> Function:
     from scipy.interpolate import BSpline
 
     A = BSpline.design_matrix(x, _knots(order, breaks), order - 1).toarray()
-    return _spline(breaks, np.linalg.lstsq(A, y, rcond=None)[0], order)
+    return _spline(breaks, np.asarray(np.linalg.lstsq(A, y, rcond=None)[0], dtype=np.float64), order)
 
 
 def _cubic_spline(x: Floats, y: Floats) -> Function:

@@ -50,7 +50,8 @@ class Law:
     def defaults(cls) -> dict[str, float | tuple[float, ...]]:
         """Parameters with the numbers taken where the file gives none."""
         by_name = {f.name: f.default for f in fields(cls)}
-        return {n: by_name[n] for n in cls.parameters if by_name[n] is not MISSING}
+        given: dict[str, Any] = {n: by_name[n] for n in cls.parameters if by_name[n] is not MISSING}
+        return given
 
     def _values(self) -> Sequence[Value]:
         out: list[Value] = []

@@ -37,7 +37,8 @@ def _span(text: str, dim: int) -> tuple[NDArray[np.int64], Floats]:
 
 def _monomials(r: Floats, exponents: NDArray[np.int64]) -> Floats:
     """Values (p, k) of the monomials at ``r`` (p, dim)."""
-    return np.prod(np.asarray(r, dtype=float)[:, None, :] ** exponents[None], axis=2)
+    powers: Floats = np.asarray(r, dtype=float)[:, None, :] ** exponents[None]
+    return np.asarray(powers.prod(axis=2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

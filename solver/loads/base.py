@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import elements
+from ..elements.base import Element
 from ..kernels.surface import add_vectors
 from ..values import Value, as_value
 
@@ -41,7 +42,7 @@ class Patch:
     """
 
     conn: Ints
-    element: elements.Element
+    element: Element
     points: Floats  # (f g, 3)
     items: Ints
 

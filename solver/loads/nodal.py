@@ -37,7 +37,7 @@ class NodalLoad:
 
     def begin(self, force: Floats) -> None:
         """Take the nodal forces (node, column) that stood against the load before it began."""
-        self._start = force[np.ix_(self.nodes, self.columns)]
+        self._start = force[self.nodes][:, self.columns]
 
     def cliques(self) -> list[Ints]:
         return []

@@ -249,8 +249,9 @@ MIXTURE = SimpleNamespace(
     phi0=lambda t, X, e: np.array([0.3]), fluid_density=lambda t, X, e: np.array([0.9])
 )
 BODY = {
-    nothing = np.array([], dtype=int)
-    assert not forces(loads.load("const")(x=1.0, elements={"part": nothing}), s, [g]).any()
+    "centrifugal": {
+        "angular_speed": 1.3, "rotation_axis": (0.0, 0.6, 0.8), "rotation_center": (0.1, 0.0, 0.0),
+    },
     "mass damping": {"C": 0.7},
     "body force": {"given": (1.0, VARYING, -2.0)},
 }
