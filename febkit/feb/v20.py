@@ -1,0 +1,513 @@
+"""Version 2.0 to 2.5 and back.
+
+Facts from FEBio 4.11's readers (FEBioXML): lists of nodes and facets stood inside the conditions; a set was
+``set=``, a part ``elset=``; contact named its surfaces "master" and "slave"; springs were <spring>;
+element data lay in <Geometry>.
+"""
+
+from __future__ import annotations
+
+from febkit.model import InputError
+
+from . import dofs
+from .document import Tag
+from .edit import drop_empty, fresh, leaf, pop, rename, section, stages, text
+from .mesh import FACETS, LINES
+from .v30 import listed, walk
+
+SPRINGS = {"": "linear spring", "linear": "linear spring", "tension-only linear": "tension-only linear spring",
+           "nonlinear": "nonlinear spring"}
+INITIAL = {"temperature": "T", "fluid_pressure": "p", "shell_fluid_pressure": "q", "dilatation": "ef"}
+CONTACTS = {"sliding_with_gaps": "sliding-node-on-facet", "facet-to-facet sliding": "sliding-facet-on-facet",
+            "sliding2": "sliding-biphasic", "sliding3": "sliding-biphasic-solute",
+            "sliding-tension-compression": "sliding-elastic", "tied": "tied-node-on-facet"}
+WORDS = {"flip_master": "flip_secondary", "flip_slave": "flip_primary"}
+ELEMENT_DATA = {"fiber": "fiber", "mat_axis": "mat_axis", "thickness": "shell thickness"}
+
+
+class Names:
+    """Adds sets to the geometry under names of their own."""
+
+    def __init__(self, root: Tag) -> None:
+        self.geometry = section(root, "Geometry", ("Material",))
+        self.used = {c.get("name") or c.get("elset") or "" for c in self.geometry}
+
+    def add(self, kind: str, base: str, rows: list[Tag], like: Tag) -> str:
+        name = fresh(base, self.used)
+        new = Tag(kind, {"name": name}, children=rows, line=like.line, doc=like.doc)
+        new.table = like.table if not rows else None
+        self.geometry.children.append(new)
+        return name
+
+    def nodes(self, like: Tag, base: str) -> str:
+        return self.add("NodeSet", base, [leaf("n", id=i) for i in listed(like)], like)
+
+    def surface(self, like: Tag, base: str) -> str:
+        return self.add("Surface", base, _numbered(like, FACETS), like)
+
+
+def _numbered(like: Tag, kinds: dict[str, int]) -> list[Tag]:
+    rows = []
+    for c in like:
+        if c.name not in kinds:
+            raise InputError(f"<{c.name}> does not belong in <{like.name}>", c.where)
+        rows.append(Tag(c.name, {"id": str(len(rows) + 1)}, c.text, line=c.line, doc=c.doc))
+    return rows
+
+
+# -- up
+def up(root: Tag) -> None:
+    """Changes a 2.0 tree to 2.5 in place."""
+    root.attrs["version"] = "2.5"
+    names = Names(root)
+    elements: dict[str, list[str]] = {}
+    for g in root.all("Geometry"):
+        for c in g:
+            if c.name == "Nodes":
+                rename(c, "set", "name")
+            elif c.name == "Elements":
+                rename(c, "elset", "name")
+                if not c.get("name"):
+                    c.attrs["name"] = fresh("Part", names.used)
+                elements[c.need("name")] = listed(c)
+            elif c.name == "ElementSet":
+                elements[c.get("name") or ""] = listed(c)
+    element_data_up(root, elements)
+    for stage in stages(root):
+        for s in stage.all("Boundary"):
+            s.children = [new for c in s for new in boundary_up(c, names, root)]
+        for s in stage.all("Initial"):
+            s.children = [initial_up(c, names) for c in s]
+        for s in stage.all("Loads"):
+            s.children = [new for c in s for new in load_up(c, names)]
+        contact_up(stage, names)
+        for s in stage.all("Constraints"):
+            for c in s:
+                constraint_up(c, names)
+        discrete_up(stage, names)
+    for s in root.all("Output"):
+        for entry in (e for log in s.all("logfile") for e in log):
+            rename(entry, "set", "node_set")
+            rename(entry, "elset", "elem_set")
+    order_up(root)
+
+
+def order_up(root: Tag) -> None:
+    """The module comes first."""
+    module = root.child("Module")
+    if module is None:
+        root.children.insert(0, Tag("Module", {"type": "solid"}, line=root.line, doc=root.doc))
+    elif root.children[0] is not module:
+        root.children.remove(module)
+        root.children.insert(0, module)
+
+
+def element_data_up(root: Tag, elements: dict[str, list[str]]) -> None:
+    """<ElementData> of <Geometry> becomes maps, one for each part and kind of data."""
+    part_of = {i: (name, n) for name, ids in elements.items() for n, i in enumerate(ids, 1)}
+    maps: dict[tuple[str, str], Tag] = {}
+    for g in root.all("Geometry"):
+        for data in g.all("ElementData"):
+            g.children.remove(data)
+            for c in data:
+                places = [part_of.get(c.get("id") or "")] if c.name == "element" else [
+                    (c.get("set") or "", n) for n in range(1, len(elements.get(c.get("set") or "", [])) + 1)]
+                for value in c:
+                    for place in places:
+                        _put(maps, place, value, c)
+    if maps:
+        section(root, "MeshData", ("Geometry",)).children += maps.values()
+
+
+def _put(maps: dict[tuple[str, str], Tag], place: tuple[str, int] | None, value: Tag, c: Tag) -> None:
+    if place is None:
+        raise InputError(f'<{c.name} id="{c.get("id")}"> refers to an element that does not exist', c.where)
+    var = ELEMENT_DATA.get(value.name)
+    if var is None:
+        raise InputError(f"<{value.name}> in <ElementData> has no counterpart in version 4.0", value.where)
+    part, lid = place
+    default = Tag("ElementData", {"var": var, "elem_set": part}, line=c.line, doc=c.doc)
+    rows = maps.setdefault((part, var), default)
+    rows.children.append(Tag("elem", {"lid": str(lid)}, value.text, list(value.children), value.line, value.doc))
+
+
+def boundary_up(c: Tag, names: Names, root: Tag) -> list[Tag]:
+    if c.name == "fix":
+        given = dofs.parse(c.need("bc"))
+        if given is None:
+            raise InputError(f'<fix bc="{c.get("bc")}"> names no degrees of freedom', c.where)
+        c.attrs["bc"] = ",".join(given)
+        _set_up(c, names, "fix")
+        return [c]
+    if c.name == "prescribe":
+        return prescribe_up(c, names, root)
+    return [c]
+
+
+def _set_up(c: Tag, names: Names, base: str) -> None:
+    if "set" in c.attrs:
+        rename(c, "set", "node_set")
+    elif "node_set" not in c.attrs:
+        c.attrs["node_set"] = names.nodes(c, base)
+        c.children, c.table = [], None
+
+
+def prescribe_up(c: Tag, names: Names, root: Tag) -> list[Tag]:
+    values = [r.text.strip() for r in c]
+    if c.table is not None:
+        values = [repr(v) for v in c.table.values[:, 0].tolist()]
+    relative = pop(c, "type") == "relative"
+    lc, scale = pop(c, "lc"), pop(c, "scale", "1")
+    if c.get("bc") == "t":
+        c.attrs["bc"] = "T"
+    if not values and c.text.strip():
+        scale = c.text.strip()
+    uniform = {v or scale for v in values} or {scale}
+    _set_up(c, names, "prescribe")
+    child = leaf("scale", next(iter(uniform)), **({"lc": lc} if lc else {}))
+    if len(uniform) > 1:
+        data = fresh(f'{c.need("node_set")}_value', names.used)
+        rows = [leaf("node", v or scale, lid=str(i)) for i, v in enumerate(values, 1)]
+        maps = section(root, "MeshData", ("Geometry",))
+        maps.children.append(Tag("NodeData", {"name": data, "node_set": c.need("node_set")}, children=rows))
+        child = leaf("scale", data, type="map", **({"lc": lc} if lc else {}))
+    c.text = ""
+    c.children = [child] + ([leaf("relative", "1")] if relative else [])
+    return [c]
+
+
+def initial_up(c: Tag, names: Names) -> Tag:
+    if c.name in ("ic", "init", "rigid_body"):
+        return c
+    values = {r.text.strip() for r in c}
+    if c.table is not None:
+        values = {",".join(map(repr, v)) for v in c.table.values.tolist()}
+    if len(values) != 1:
+        raise InputError(f"<{c.name}> with a value of its own at each node is not read: use one value", c.where)
+    name = names.nodes(c, c.name)
+    if c.name == "velocity":
+        new = Tag("ic", {"type": "velocity", "node_set": name}, line=c.line, doc=c.doc)
+    else:
+        solute = c.get("sol") or "1"
+        dof = INITIAL.get(c.name) or {"concentration": f"c{solute}", "shell_concentration": f"d{solute}"}.get(c.name)
+        if dof is None:
+            raise InputError(f"<{c.name}> does not belong in <Initial>", c.where)
+        new = Tag("init", {"bc": dof, "node_set": name}, line=c.line, doc=c.doc)
+    new.children = [leaf("value", values.pop())]
+    return new
+
+
+def load_up(c: Tag, names: Names) -> list[Tag]:
+    if c.name == "nodal_load":
+        return nodal_load_up(c, names)
+    if c.name in ("surface_load", "edge_load"):
+        kind, kinds = ("surface", FACETS) if c.name == "surface_load" else ("edge", LINES)
+        for s in c.all(kind):
+            c.children.remove(s)
+            if s.get("set"):
+                c.attrs[kind] = s.need("set")
+            elif kind == "surface":
+                c.attrs[kind] = names.surface(s, c.get("name") or "surface_load")
+            else:
+                c.attrs[kind] = names.add("Edge", c.get("name") or "edge_load", _numbered(s, kinds), s)
+    return [c]
+
+
+def nodal_load_up(c: Tag, names: Names) -> list[Tag]:
+    lc = pop(c, "lc")
+    attrs = {"lc": lc} if lc else {}
+    if c.get("set"):
+        rename(c, "set", "node_set")
+        c.children = [leaf("scale", pop(c, "scale", c.text.strip() or "1"), **attrs)]
+        c.text = ""
+        return [c]
+    groups: dict[str, list[Tag]] = {}
+    for r in c:
+        groups.setdefault(r.text.strip() or "1", []).append(r)
+    if c.table is not None:
+        for i, v in zip(c.table.labels.tolist(), c.table.values[:, 0].tolist()):
+            groups.setdefault(repr(v), []).append(leaf("node", id=str(i)))
+    out = []
+    for value, rows in groups.items():
+        name = names.nodes(Tag(c.name, children=rows, line=c.line, doc=c.doc), "nodal_load")
+        out.append(Tag("nodal_load", {"bc": c.need("bc"), "node_set": name},
+                       children=[leaf("scale", value, **attrs)], line=c.line, doc=c.doc))
+    return out
+
+
+def contact_up(stage: Tag, names: Names) -> None:
+    for s in stage.all("Contact"):
+        for c in list(s):
+            kind = c.get("type") or ""
+            if kind == "rigid":
+                s.children.remove(c)
+                section(stage, "Boundary", ("Contact",)).children += rigid_up(c, names)
+            elif kind == "linear constraint":
+                s.children.remove(c)
+                c.name = "constraint"
+                section(stage, "Constraints", ("Contact",)).children.append(c)
+            else:
+                c.attrs["type"] = CONTACTS.get(kind, kind)
+                surfaces_up(c, names)
+    drop_empty(stage, ("Contact",))
+
+
+def rigid_up(c: Tag, names: Names) -> list[Tag]:
+    groups: dict[str, list[Tag]] = {}
+    for r in c:
+        groups.setdefault(r.need("rb"), []).append(r)
+    out = []
+    for rb, rows in groups.items():
+        name = names.nodes(Tag(c.name, children=rows, line=c.line, doc=c.doc), f"rigid_{rb}")
+        out.append(Tag("rigid", {"rb": rb, "node_set": name}, line=c.line, doc=c.doc))
+    return out
+
+
+def surfaces_up(c: Tag, names: Names) -> None:
+    sides: dict[str, str] = {}
+    for s in c.all("surface"):
+        c.children.remove(s)
+        if s.get("format") == "element face":
+            raise InputError('surfaces of format="element face" are not read: list the nodes of the faces', s.where)
+        side = {"master": "secondary", "slave": "primary"}.get(s.get("type") or "slave", "primary")
+        sides[side] = s.get("set") or names.surface(s, f"contact_{side}")
+    for p in c:
+        p.name = WORDS.get(p.name, p.name)
+    if c.get("type") == "rigid_wall":
+        c.attrs["surface"] = sides.get("primary", "")
+    elif sides:
+        rows = [leaf(k, v) for k, v in sides.items()]
+        c.attrs["surface_pair"] = fresh(c.get("name") or "contact", names.used)
+        names.geometry.children.append(Tag("SurfacePair", {"name": c.attrs["surface_pair"]}, children=rows))
+
+
+def constraint_up(c: Tag, names: Names) -> None:
+    for s in c.all("surface"):
+        c.children.remove(s)
+        c.attrs["surface"] = s.get("set") or names.surface(s, c.get("name") or "constraint")
+
+
+def discrete_up(stage: Tag, names: Names) -> None:
+    for s in stage.all("Discrete"):
+        out: list[Tag] = []
+        count = 0
+        for c in s:
+            if c.name != "spring":
+                out.append(c)
+                continue
+            count += 1
+            kind = c.get("type") or ""
+            pairs = [leaf("delem", r.text.strip()) for r in c.all("node")]
+            name = fresh(c.get("name") or "springs", names.used)
+            names.geometry.children.append(Tag("DiscreteSet", {"name": name}, children=pairs))
+            attrs = {"id": str(count), "name": name, "type": SPRINGS.get(kind, kind)}
+            out.append(Tag("discrete_material", attrs, children=[r for r in c if r.name != "node"], line=c.line))
+            out.append(Tag("discrete", {"dmat": str(count), "discrete_set": name}, line=c.line, doc=c.doc))
+        s.children = out
+
+
+# -- down
+def down(root: Tag, notes: list[str]) -> None:
+    """Changes a 2.5 tree to 2.0 in place; ``notes`` receives what 2.0 cannot say."""
+    root.attrs["version"] = "2.0"
+    geometry = section(root, "Geometry")
+    pairs: dict[str, dict[str, str]] = {}
+    springs: dict[str, list[str]] = {}
+    for c in list(geometry):
+        if c.name == "Nodes":
+            rename(c, "name", "set")
+        elif c.name == "Elements":
+            rename(c, "name", "elset")
+        elif c.name == "SurfacePair":
+            pairs[c.need("name")] = {x.name: x.text.strip() for x in c}
+            geometry.children.remove(c)
+        elif c.name == "DiscreteSet":
+            springs[c.need("name")] = [x.text.strip() for x in c]
+            geometry.children.remove(c)
+    node_data = maps_down(root, geometry, notes)
+    for stage in stages(root):
+        for s in stage.all("Boundary"):
+            s.children = [new for c in s for new in boundary_down(c, node_data, stage, notes)]
+        for s in stage.all("Initial"):
+            s.children = [new for c in s for new in initial_down(c, geometry, notes)]
+        for s in stage.all("Loads"):
+            s.children = [c for c in s if load_down(c, notes)]
+        for s in stage.all("Contact"):
+            for c in s:
+                contact_down(c, pairs)
+        for s in stage.all("Constraints"):
+            for c in s:
+                if "surface" in c.attrs:
+                    c.children.append(leaf("surface", set=pop(c, "surface")))
+        for s in stage.all("Discrete"):
+            discrete_down(s, springs, notes)
+        if stage.child("MeshAdaptor") is not None:
+            stage.children = [c for c in stage if c.name != "MeshAdaptor"]
+            notes.append("<MeshAdaptor>: version 2.0 does not have it")
+        drop_empty(stage, ("Boundary", "Initial", "Loads", "Constraints"))
+    for s in root.all("Output"):
+        for entry in (e for log in s.all("logfile") for e in log):
+            rename(entry, "node_set", "set")
+            rename(entry, "elem_set", "elset")
+
+
+def maps_down(root: Tag, geometry: Tag, notes: list[str]) -> dict[str, Tag]:
+    """Element maps go to <ElementData>; node maps are returned by name."""
+    back = {v: k for k, v in ELEMENT_DATA.items()}
+    ids = {c.get("elset") or c.get("name") or "": listed(c) for c in geometry if c.name in ("Elements", "ElementSet")}
+    rows: dict[str, Tag] = {}
+    node_data: dict[str, Tag] = {}
+    for s in root.all("MeshData"):
+        for d in s:
+            if d.name == "NodeData" and "generator" not in d.attrs:
+                node_data[d.get("name") or ""] = d
+                continue
+            var = back.get(d.get("var") or "")
+            if d.name != "ElementData" or var is None:
+                notes.append(f'map "{d.get("name") or d.get("var")}": version 2.0 does not have it')
+                continue
+            own = ids.get(d.get("elem_set") or "", [])
+            for lid, text_, children in _rows(d):
+                element = rows.setdefault(own[lid - 1], Tag("element", {"id": own[lid - 1]}))
+                element.children.append(Tag(var, text=text_, children=children))
+    root.children = [c for c in root if c.name != "MeshData"]
+    if rows:
+        geometry.children.append(Tag("ElementData", children=list(rows.values())))
+    return node_data
+
+
+def _rows(d: Tag) -> list[tuple[int, str, list[Tag]]]:
+    if d.table is not None:
+        return [(i, ",".join(map(repr, v)), []) for i, v in zip(d.table.labels.tolist(), d.table.values.tolist())]
+    return [(int(r.need("lid")), r.text.strip(), r.children) for r in d]
+
+
+def boundary_down(c: Tag, node_data: dict[str, Tag], stage: Tag, notes: list[str]) -> list[Tag]:
+    pop(c, "name")
+    if c.name == "rigid_body":
+        section(stage, "Constraints", ("Boundary",)).children.append(c)
+        return []
+    if c.name == "rigid":
+        nodes = _set_nodes(c, stage)
+        contact = section(stage, "Contact", ("Boundary",))
+        rows = [leaf("node", id=i, rb=c.need("rb")) for i in nodes]
+        contact.children.append(Tag("contact", {"type": "rigid"}, children=rows))
+        return []
+    if c.name == "bc" or c.name not in ("fix", "prescribe", "linear_constraint"):
+        notes.append(f'<{c.name} type="{c.get("type")}"> in <Boundary>: version 2.0 does not have it')
+        return []
+    rename(c, "node_set", "set")
+    if c.name == "prescribe":
+        return prescribe_down(c, node_data, notes)
+    return [c]
+
+
+def _set_nodes(c: Tag, stage: Tag) -> list[str]:
+    geometry = stage.child("Geometry")
+    if geometry is None:
+        return []
+    for s in geometry:
+        if s.name == "NodeSet" and s.get("name") == c.get("node_set"):
+            return listed(s)
+        if s.name == "Nodes" and s.get("set") == c.get("node_set"):
+            return listed(s)
+    return []
+
+
+def prescribe_down(c: Tag, node_data: dict[str, Tag], notes: list[str]) -> list[Tag]:
+    scale = c.child("scale")
+    if scale is not None and scale.get("type") not in (None, "const"):
+        notes.append(f'<prescribe bc="{c.get("bc")}" set="{c.get("set")}"> with a {scale.get("type")} value: '
+                     "version 2.0 does not have it")
+        return []
+    attrs = dict(c.attrs)
+    if scale is not None and scale.get("lc"):
+        attrs["lc"] = scale.need("lc")
+    attrs["scale"] = scale.text.strip() if scale is not None else "1"
+    if text(c, "relative") in ("1", "true"):
+        attrs["type"] = "relative"
+    return [Tag("prescribe", attrs, line=c.line, doc=c.doc)]
+
+
+def initial_down(c: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
+    nodes = _set_nodes(c, Tag("x", children=[geometry]))
+    rows = [leaf("node", text(c, "value"), id=i) for i in nodes]
+    if c.name == "ic" and c.get("type") == "velocity":
+        return [Tag("velocity", children=rows)]
+    bc = c.get("bc") or ""
+    name = next((k for k, v in INITIAL.items() if v == bc), None)
+    if name is not None:
+        return [Tag(name, children=rows)]
+    if bc[:1] in ("c", "d") and bc[1:].isdigit():
+        return [Tag("concentration" if bc[0] == "c" else "shell_concentration", {"sol": bc[1:]}, children=rows)]
+    notes.append(f'<{c.name} type="{c.get("type") or bc}"> in <Initial>: version 2.0 does not have it')
+    return []
+
+
+def load_down(c: Tag, notes: list[str]) -> bool:
+    if c.name == "nodal_load":
+        scale = c.child("scale")
+        if scale is not None and scale.get("type") not in (None, "const"):
+            notes.append(f'<nodal_load bc="{c.get("bc")}"> with a value that varies: version 2.0 does not have it')
+            return False
+        rename(c, "node_set", "set")
+        pop(c, "name")
+        if scale is not None:
+            c.attrs["scale"] = scale.text.strip()
+            c.attrs["lc"] = scale.get("lc") or "0"
+        c.children = []
+    elif c.name in ("surface_load", "edge_load"):
+        kind = c.name.split("_")[0]
+        if kind in c.attrs:
+            c.children.append(leaf(kind, set=pop(c, kind)))
+        for p in walk(c)[1:]:
+            if p.get("type") in ("map", "math"):
+                notes.append(f'<{c.name} type="{c.get("type")}"> with a value that varies: '
+                             "version 2.0 does not have it")
+                return False
+    elif c.name == "body_load":
+        return body_down(c, notes)
+    return True
+
+
+def body_down(c: Tag, notes: list[str]) -> bool:
+    if c.get("elem_set"):
+        notes.append("<body_load> on an element set: version 2.0 loads the whole body")
+        return False
+    pop(c, "name")
+    if c.get("type") == "body force":
+        force = c.child("force")
+        if force is None or force.get("type") not in (None, "vector", "const"):
+            notes.append("<body_load> with a value that varies: version 2.0 does not have it")
+            return False
+        lc = {"lc": force.need("lc")} if force.get("lc") else {}
+        c.attrs["type"] = "const"
+        c.children = [leaf(d, v, **lc) for d, v in zip("xyz", force.text.replace(",", " ").split())]
+    return True
+
+
+def contact_down(c: Tag, pairs: dict[str, dict[str, str]]) -> None:
+    pop(c, "name")
+    sides = pairs.get(pop(c, "surface_pair"), {})
+    for kind, side in (("master", "secondary"), ("slave", "primary")):
+        if side in sides:
+            c.children.append(leaf("surface", type=kind, set=sides[side]))
+    if "surface" in c.attrs:
+        c.children.append(leaf("surface", set=pop(c, "surface")))
+
+
+def discrete_down(s: Tag, springs: dict[str, list[str]], notes: list[str]) -> None:
+    found = [c for c in s if c.name == "discrete_material"]
+    out = [c for c in s if c.name not in ("discrete", "discrete_material")]
+    back = {v: k for k, v in SPRINGS.items()}
+    for c in s:
+        if c.name != "discrete":
+            continue
+        material = found[int(c.need("dmat")) - 1]
+        kind = material.get("type") or ""
+        if kind not in back:
+            notes.append(f'discrete material of type "{kind}": version 2.0 does not have it')
+            continue
+        rows = [leaf("node", p) for p in springs.get(c.get("discrete_set") or "", [])]
+        out.append(Tag("spring", {"type": back[kind]}, children=rows + material.children))
+    s.children = out
