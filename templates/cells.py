@@ -148,7 +148,7 @@ def place_at_random(cells: Cells, size: Ints, edge: float, n: int, margin: int, 
                          f"cell with its PCM of half size {extents.max():.4g}; raise block (or leave it 0), "
                          "or lower n")
     order = np.argsort(-size.prod(axis=1), kind="stable")
-    for _ in range(RESTARTS):
+    for _ in range(RESTARTS if size.prod(axis=1).sum() <= (n - 2 * margin) ** 3 else 0):
         centres, start = np.zeros((count, 3)), np.zeros((count, 3), dtype=np.int64)
         for done, c in enumerate(order):
             seen = order[:done]

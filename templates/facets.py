@@ -18,12 +18,13 @@ _HEX20 = (
     (0, 3, 2, 1, 11, 10, 9, 8), (4, 5, 6, 7, 12, 13, 14, 15), (0, 1, 5, 4, 8, 17, 12, 16),
     (1, 2, 6, 5, 9, 18, 13, 17), (2, 3, 7, 6, 10, 19, 14, 18), (3, 0, 4, 7, 11, 16, 15, 19),
 )
+_HEX27 = tuple((*corners, centre) for corners, centre in zip(_HEX20, (24, 25, 20, 21, 22, 23), strict=True))
 _TET10 = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9))
 FACETS: dict[str, tuple[tuple[int, ...], ...]] = {
-    "hex8": _HEX, "hex20": _HEX20, "tet4": _TET, "tet10": _TET10, "penta6": _PENTA,
+    "hex8": _HEX, "hex20": _HEX20, "hex27": _HEX27, "tet4": _TET, "tet10": _TET10, "penta6": _PENTA,
 }
-FACET_TYPES = {(4, 4): "quad4", (4, 8): "quad8", (3, 3): "tri3", (3, 6): "tri6"}
-_CORNERS = {4: 4, 8: 4, 3: 3, 6: 3}
+FACET_TYPES = {(4, 4): "quad4", (4, 8): "quad8", (4, 9): "quad9", (3, 3): "tri3", (3, 6): "tri6"}
+_CORNERS = {4: 4, 8: 4, 9: 4, 3: 3, 6: 3}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

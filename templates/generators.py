@@ -27,7 +27,8 @@ def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
             raise InputError(f"part '{name}': templates know parts named tissue, ecm, pcm_... and cell_...; "
                              "rename it with part_names")
         parts.append([name, role])
-    facts = {"parts": parts, "roles": sorted({r for _, r in parts})}
+    facts: dict[str, Any] = {"parts": parts, "roles": sorted({r for _, r in parts})}
+    facts |= {"low": made.X.min(axis=0).tolist(), "high": made.X.max(axis=0).tolist()}
     report = {"nodes": len(made.X), "elements": made.elements, "quality": quality} | dict(more)
     return Generated(named_mesh(made), facts, report)
 
@@ -52,6 +53,8 @@ def _embedded(p: dict[str, Any]) -> Generated:
     from .cell_cube import volume_report
     from .embedded_cube import embedded_cube
 
+    if p.get("mesh_file"):
+        return _from_file(p)
     whole = embedded_cube(p)
     cube = whole.inner
     more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres,

@@ -5,12 +5,13 @@ from __future__ import annotations
 import operator
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from febkit.model import InputError, Where
 
-_FIELDS = {"default", "doc", "unit", "min", "max", "above", "below", "choices", "kind"}
+_FIELDS = {"default", "doc", "unit", "min", "max", "above", "below", "choices", "kind", "length", "rising"}
 _KINDS: dict[str, tuple[type, ...]] = {
     "integer": (int,), "number": (int, float), "text": (str,), "switch": (bool,), "list": (list,),
     "numbers": (int, float, list), "table": (dict,), "text or numbers": (str, list),
@@ -27,7 +28,8 @@ class Parameter:
     """One parameter as ``[parameters.name]`` of a template file says it.
 
     ``kind``: integer, number, text, switch, list, numbers (one, or lists of them), table; told from
-    the default where it is not given. Bounds ``min max above below`` hold for every number in a value.
+    the default where it is not given. Bounds ``min max above below`` hold for every number in a value;
+    ``length`` and ``rising`` are asked of a list.
     """
 
     name: str
@@ -36,7 +38,9 @@ class Parameter:
     unit: str = ""
     kind: str = ""
     choices: tuple[Any, ...] = ()
-    limits: Mapping[str, float] | None = None
+    limits: Mapping[str, float] = field(default_factory=dict)
+    length: int = 0
+    rising: bool = False
 
     def checked(self, value: Any, where: Where | None = None) -> Any:
         """The value, or an InputError that says what is allowed."""
@@ -53,11 +57,19 @@ class Parameter:
                                  where)
         for number in _numbers(value):
             for key, words, holds in _LIMITS:
-                bound = (self.limits or {}).get(key)
+                bound = self.limits.get(key)
                 if bound is not None and not holds(number, bound):
                     raise InputError(f"{self.name} must be {words} {bound:g} {self.unit}".rstrip()
                                      + f", not {number:g}", where)
+        self._check_list(value, where)
         return value
+
+    def _check_list(self, value: Any, where: Where | None) -> None:
+        if self.length and len(value) != self.length:
+            raise InputError(f"{self.name} must have {self.length} entries, not {len(value)}: {self.doc}",
+                             where)
+        if self.rising and (len(value) < 2 or any(b <= a for a, b in pairwise(value))):
+            raise InputError(f"{self.name} must be two or more rising numbers", where)
 
 
 def _numbers(value: Any) -> list[float]:
@@ -81,7 +93,8 @@ def declared(name: str, table: Mapping[str, Any], where: Where) -> Parameter:
                          where)
     limits = {k: float(table[k]) for k, _, _ in _LIMITS if k in table}
     p = Parameter(name, default, " ".join(str(table["doc"]).split()), str(table.get("unit", "")), kind,
-                  tuple(table.get("choices", ())), limits)
+                  tuple(table.get("choices", ())), limits, int(table.get("length", 0)),
+                  bool(table.get("rising", False)))
     p.checked(default, where)
     return p
 

@@ -102,7 +102,8 @@ def _merged(base: Mapping[str, Parameter], tables: Mapping[str, Any], where: Whe
         old = base.get(name)
         if old is not None:
             full: dict[str, Any] = {"default": old.default, "doc": old.doc, "unit": old.unit,
-                                    "kind": old.kind, "choices": list(old.choices)} | dict(old.limits or {})
+                                    "kind": old.kind, "choices": list(old.choices), "length": old.length,
+                                    "rising": old.rising} | dict(old.limits)
             table = full | table
         merged[name] = declared(name, table, where)
     return merged

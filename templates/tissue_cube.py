@@ -1,4 +1,4 @@
-"""The tissue: a cube of hexahedra whose middle element has an edge of its own."""
+"""The tissue: a cube of elements whose middle one has an edge of its own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from febkit.model import InputError
 from febkit.model.mesh import Floats
 
-from .lattice import hexahedra, in_file_order, node_lattice, nodes_at, spaced
+from .elements import filled
+from .lattice import spaced
 from .parts import Parts
 
 
@@ -17,8 +18,9 @@ def tissue_cube(p: dict[str, Any]) -> Parts:
     """Build the cube from the template's parameters (see templates/tissue/template.toml)."""
     n = int(p["n"])
     planes = tissue_planes(n, float(p["edge"]), float(p["centre"]), float(p["grading"]))
-    conn = in_file_order(hexahedra(node_lattice((n, n, n))))
-    return Parts(nodes_at(planes, planes, planes), {str(p["part"]): ("hex8", conn)})
+    kind = str(p["element"])
+    X, conn = filled(planes, kind)
+    return Parts(X, {str(p["part"]): (kind, conn)})
 
 
 def tissue_planes(n: int, edge: float, centre: float, ratio: float = 1.0) -> Floats:

@@ -86,7 +86,7 @@ def _listing(template: Template) -> str:
     lines = [template.title, ""]
     for p in template.parameters.values():
         unit = f" {p.unit}" if p.unit else ""
-        bounds = [f"{k} {v:g}" for k, v in (p.limits or {}).items()]
+        bounds = [f"{k} {v:g}" for k, v in p.limits.items()]
         bounds += [f"one of {', '.join(map(str, p.choices))}"] if p.choices else []
         shown = '""' if p.default == "" else p.default
         extra = f"  ({'; '.join(bounds)})" if bounds else ""
