@@ -32,6 +32,8 @@ TABLES: dict[str, dict[str, str]] = {
         "uncoupled reactive viscoelastic": "reactive_viscoelastic:UncoupledReactiveViscoelastic",
         "elastic damage": "elastic_damage:ElasticDamage",
         "uncoupled elastic damage": "elastic_damage:UncoupledElasticDamage",
+        "reactive plasticity": "reactive_plasticity:ReactivePlasticity",
+        "reactive plastic damage": "reactive_plastic_damage:ReactivePlasticDamage",
         "continuous fiber distribution": "continuous_fibers:ContinuousFibers",
         "continuous fiber distribution uncoupled": "continuous_fibers:ContinuousFibersUncoupled",
     },
@@ -105,5 +107,10 @@ TABLES: dict[str, dict[str, str]] = {
         "DC octahedral natural strain": "criteria:OctahedralNaturalStrain",
         "DC Drucker-Prager": "criteria:DruckerPrager",
         "DC Deshpande-Fleck": "criteria:DeshpandeFleck",
+    },
+    "flow_curve": {
+        "PFC paper": "flow_curves:Geometric",
+        "PFC user": "flow_curves:UserCurve",
+        "PFC math": "flow_curves:MathCurve",
     },
 }

@@ -1,0 +1,195 @@
+"""Reactive plasticity whose intact and yielded bonds also fail for good."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..points import Points
+from .base import Floats, Number, Property, Solid, deformed, evaluate
+from .fiber import part
+from .plastic_flow import Trial
+from .registry import register
+from .secant import secant_tangent
+
+_EACH = 16  # per family: inverse plastic part (9), yield measure, fraction, d_i, d_y, largest yielded measure,
+_K, _W, _DI, _DY, _E, _B, _T = range(9, 16)  # yielded, yielding
+_HEAD = 2  # largest measure of the intact bonds, fraction broken
+
+
+def return_to_surface(trial: Trial, Ky: Floats, rtol: float) -> tuple[Floats, Floats]:
+    """Deformation gradients near the yield surface after at most two Newton steps and one parabola."""
+    m = len(Ky)
+    lam, live = np.zeros(m), np.ones(m, bool)
+    l, p = np.zeros((3, m)), np.zeros((3, m))
+    for k in range(3):
+        phi = trial.measure(trial.F(lam)) - Ky
+        l[k], p[k] = lam, phi
+        step = trial.newton(lam, phi)
+        nxt = lam + step
+        if k == 2:
+            nxt = _root(l, p)
+        lam = np.where(live, nxt, lam)
+        live = live & ~((np.abs(step) <= rtol * np.abs(lam)) | (np.abs(lam) <= rtol * rtol))
+        if not live.any():
+            break
+    F = trial.F(lam)
+    return F, trial.measure(F)
+
+
+def _root(l: Floats, p: Floats) -> Floats:
+    """Root nearest to zero of the parabola through (0, p0), (l1, p1), (l2, p2)."""
+    _, l1, l2 = l
+    p0, p1, p2 = p
+    d = l1 * l2 * (l1 - l2)
+    some = np.where(d == 0, 1.0, d)
+    a = (l2 * (p1 - p0) - l1 * (p2 - p0)) / some
+    b = ((p2 - p0) * l1 * l1 - (p1 - p0) * l2 * l2) / some
+    disc, flat = b * b - 4 * a * p0, a == 0
+    safe, root = np.where(flat, 1.0, a), np.sqrt(np.maximum(disc, 0.0))
+    r1, r2 = (-b + root) / (2 * safe), (-b - root) / (2 * safe)
+    lam = np.where(np.abs(r1) < np.abs(r2), r1, r2)
+    lam = np.where(flat, np.where(b != 0, -p0 / np.where(b == 0, 1.0, b), 0.0), lam)
+    lam = np.where(disc < 0, np.where(flat, 0.0, -b / (2 * safe)), lam)
+    return np.where(d == 0, np.where(l1 * l2 == 0, 0.0, l2), lam)
+
+
+@dataclass(eq=False)
+class ReactivePlasticDamage(Solid):
+    """sigma = w_intact sigma_0(F) + sum_i w_i sigma_0(F Fp_i^-1); intact and yielded bonds fail by their own
+    criteria and distributions. Ateshian, Hung & Zimmerman, Comput. Methods Biomech. Biomed. Eng. (2022).
+    """
+
+    elastic: Solid | None = None
+    yield_criterion: Any = None
+    flow_curve: Any = None
+    plastic_damage: Any = None
+    plastic_damage_criterion: Any = None
+    elastic_damage: Any = None
+    elastic_damage_criterion: Any = None
+    isochoric: int = 1
+    rtol: Number = 1e-4
+    secant_tangent: int = 1
+    parameters = ("rtol",)
+    options = ("isochoric", "secant_tangent")
+    properties = {
+        "elastic": Property("solid"),
+        "yield_criterion": Property("criterion"),
+        "flow_curve": Property("flow_curve"),
+        "plastic_damage": Property("cdf", optional=True),
+        "plastic_damage_criterion": Property("criterion", optional=True),
+        "elastic_damage": Property("cdf", optional=True),
+        "elastic_damage_criterion": Property("criterion", optional=True),
+    }
+    symmetric = False
+    history: int = field(default=0, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.history = _HEAD + _EACH * (self.flow_curve.size if self.flow_curve is not None else 0)
+
+    def initial(self, n: int) -> Floats:
+        out = np.zeros((n, self.history))
+        out[:, _HEAD:].reshape(n, -1, _EACH)[:, :, :9] = np.eye(3).ravel()
+        return out
+
+    def _flow(self, pts: Points) -> tuple[Floats, Floats, Floats]:
+        """Inverse plastic parts (n, nf, 3, 3), yielded fractions (n, nf) and the intact fraction (n,)."""
+        at, h = self.offset, self.history
+        old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
+        state = old[:, _HEAD:].reshape(pts.n, -1, _EACH).copy()
+        rtol = float(self.par(pts)[0, 0])
+        Ky, share = self.flow_curve.families(pts)
+        share = np.broadcast_to(share, (pts.n, share.shape[1]))
+        E = old[:, 0]
+        if self.elastic_damage_criterion is not None:
+            E = np.maximum(self.elastic_damage_criterion.of(self.elastic, pts), E)
+        di = self._cdf(self.elastic_damage, pts, E)
+        D = di * share[:, -1]
+        for i in range(state.shape[1]):
+            self._family(pts, state[:, i], np.broadcast_to(Ky[:, i], (pts.n,)), share[:, i], rtol)
+            D = D + self._fail(pts, state[:, i], share[:, i], di)
+        if pts.new is not None:
+            out = state.copy()
+            out[:, :, _B] = np.where(out[:, :, _W] > 0, 1.0, out[:, :, _B])
+            pts.new[:, at], pts.new[:, at + 1] = np.maximum(E, old[:, 0]), D
+            pts.new[:, at + _HEAD : at + h] = out.reshape(pts.n, -1)
+        w = state[:, :, _W]
+        return state[:, :, :9].reshape(pts.n, -1, 3, 3), w, 1.0 - w.sum(1) - D
+
+    @staticmethod
+    def _cdf(law: Any, pts: Points, X: Floats) -> Floats:
+        return np.zeros(pts.n) if law is None else np.broadcast_to(law.cdf(pts, X), (pts.n,))
+
+    def _family(self, pts: Points, state: Floats, Ky: Floats, share: Floats, rtol: float) -> None:
+        base: Any = self.elastic
+        Ku = state[:, _K].copy()
+        Us = state[:, :9].reshape(-1, 3, 3)
+        Kv = self.yield_criterion.of(base, deformed(pts, pts.F @ Us))
+        beyond = Kv - Ky > rtol * Ky
+        fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
+        starts = fresh & (state[:, _T] == 0)
+        state[:, _W] = np.where(starts, (1.0 - state[:, _DI]) * share, state[:, _W])
+        never = beyond & ~fresh & (state[:, _B] == 0)
+        state[:, _W] = np.where(never, 0.0, state[:, _W])
+        state[:, _T] = np.where(starts, 1.0, np.where(never, 0.0, state[:, _T]))
+        at: Any = np.flatnonzero(beyond)
+        if len(at):
+            here = part(pts, at)
+            trial = Trial.start(base, self.yield_criterion, here, Us[at], bool(self.isochoric))
+            F, Kv[at] = return_to_surface(trial, Ky[at], rtol)
+            state[at, :9] = (np.linalg.inv(here.F) @ F).reshape(-1, 9)
+        state[:, _K] = Kv
+
+    def _fail(self, pts: Points, state: Floats, share: Floats, di: Floats) -> Floats:
+        """Update what has failed of one family; return its broken fraction of all bonds (n,)."""
+        yielding = state[:, _T] > 0
+        state[:, _DI] = np.where(yielding, state[:, _DI], di)
+        E = state[:, _E]
+        if self.plastic_damage_criterion is not None and yielding.any():
+            Fp = np.linalg.inv(state[:, :9].reshape(-1, 3, 3))
+            E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, deformed(pts, Fp)))
+        dy = np.where(yielding, self._cdf(self.plastic_damage, pts, E), 0.0)
+        state[:, _DY] = np.where(yielding, dy, state[:, _DY])
+        state[:, _E] = np.where(yielding, E, state[:, _E])
+        state[:, _W] = np.where(yielding, (1.0 - dy) * (1.0 - state[:, _DI]) * share, state[:, _W])
+        return (state[:, _DI] + dy * (1.0 - state[:, _DI])) * share
+
+    def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
+        base: Any = self.elastic
+        Us, w, intact = self._flow(pts)
+        s, c = evaluate(base, pts, tangent)
+        s = s * intact[:, None]
+        c = None if c is None else c * intact[:, None, None]
+        for i in range(w.shape[1]):
+            if w[:, i].any():
+                si, ci = evaluate(base, deformed(pts, pts.F @ Us[:, i]), tangent)
+                s = s + w[:, i, None] * si
+                c = None if c is None or ci is None else c + w[:, i, None, None] * ci
+        return s, c
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        within = self.inner(pts)
+        exact = c is not None and not self.secant_tangent
+        si, ci = self._sum(within, exact)
+        s += si
+        if c is not None:
+            c += ci if exact else secant_tangent(lambda p: self._sum(p, False)[0], within)
+
+    def broken(self, pts: Points) -> Floats | float:
+        return 0.0 if pts.new is None else pts.new[:, self.offset + 1]
+
+    def energy(self, pts: Points) -> Floats:
+        within = self.inner(pts)
+        base: Any = self.elastic
+        Us, w, intact = self._flow(within)
+        W = base.energy(within) * intact
+        for i in range(w.shape[1]):
+            Jp = np.ones(pts.n) if self.isochoric else np.linalg.det(Us[:, i])
+            W = W + w[:, i] / Jp * base.energy(deformed(within, within.F @ Us[:, i]))
+        return W
+
+
+register(ReactivePlasticDamage, "reactive plastic damage")
