@@ -72,8 +72,8 @@ _HEXAHEDRON = _Shape(8, _HEX_EDGES, _HEX_CORNERS, _hex_jacobians, 1.0)
 _TETRAHEDRON = _Shape(4, _TET_EDGES, _TET_CORNERS, _tet_jacobians, np.sqrt(2.0))
 _WEDGE = _Shape(6, _PENTA_EDGES, _PENTA_CORNERS, _penta_jacobians, 2.0 / np.sqrt(3.0))
 SHAPES = {
-    "hex8": _HEXAHEDRON, "hex20": _HEXAHEDRON, "hex27": _HEXAHEDRON, "tet4": _TETRAHEDRON, "tet10": _TETRAHEDRON,
-    "penta6": _WEDGE,
+    "hex8": _HEXAHEDRON, "hex20": _HEXAHEDRON, "hex27": _HEXAHEDRON, "tet4": _TETRAHEDRON,
+    "tet10": _TETRAHEDRON, "penta6": _WEDGE,
 }
 
 

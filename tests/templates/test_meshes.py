@@ -23,6 +23,10 @@ from febkit.templates.template import load
 from febkit.templates.tissue_cube import tissue_cube, tissue_planes
 
 
+UNIT_CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
+                      [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+
+
 def values(name: str, **given: Any) -> dict[str, Any]:
     from febkit.model import Where
 
@@ -173,7 +177,8 @@ def test_blocks_do_not_overlap(seed: int) -> None:
 def test_ellipsoids_of_their_own_sizes() -> None:
     diameter = [[0.008, 0.010, 0.014], [0.012, 0.012, 0.012], [0.010, 0.006, 0.008]]
     thickness = [0.002, 0.003, 0.001]
-    cube = cell_cube(values("cell", cells=3, diameter=diameter, thickness=thickness, orientation="random", n=24))
+    cube = cell_cube(values("cell", cells=3, diameter=diameter, thickness=thickness, orientation="random",
+                            n=24))
     mesh = cube.mesh
     assert_conforming(mesh, 0.1)
     assert min(jacobians(mesh.X, *p).min() for p in mesh.parts.values()) > 0
@@ -296,7 +301,7 @@ def test_spaced() -> None:
 
 
 def test_quality_of_known_elements() -> None:
-    cube = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+    cube = UNIT_CUBE
     conn = np.arange(8)[None]
     assert scaled_jacobian(cube, "hex8", conn)[0] == pytest.approx(1.0)
     box = cube * [1, 2, 3]
@@ -317,7 +322,7 @@ def test_quality_of_known_elements() -> None:
 
 def test_hex_volume_is_exact_for_a_trilinear_map() -> None:
     rng = np.random.default_rng(5)
-    X = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+    X = UNIT_CUBE.copy()
     X += rng.uniform(-0.1, 0.1, X.shape)
     conn = np.arange(8)[None]
     # divergence theorem over the bilinear faces: V = 1/3 sum of integrals of x . n dA

@@ -16,8 +16,8 @@ from febkit.templates.parameters import from_text
 from febkit.templates.skeleton import expand
 from febkit.templates.template import BUILT_IN, load
 
-TIMES = [0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 20, 25, 30, 35, 40, 45, 50, 60, 70,
-         80, 90, 100]
+TIMES = [0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 20, 25, 30, 35, 40, 45, 50, 60,
+         70, 80, 90, 100]
 SHARED = Path(__file__).parents[2].parent / "shared"
 
 
@@ -88,7 +88,8 @@ def test_model_survives_writing_and_reading(name: str, tmp_path: Path) -> None:
     for key, nodes in model.mesh.node_sets.items():
         assert np.array_equal(back.mesh.node_sets[key].nodes, nodes.nodes)
     assert back.mesh.part_lists == model.mesh.part_lists
-    assert [(c.type, c.attrs) for c in back.common.boundary] == [(c.type, c.attrs) for c in model.common.boundary]
+    assert ([(c.type, c.attrs) for c in back.common.boundary]
+            == [(c.type, c.attrs) for c in model.common.boundary])
     assert back.controllers[1].points == model.controllers[1].points
     assert {d.block for d in back.domains} == {b.name for b in back.mesh.blocks}
 
@@ -197,7 +198,8 @@ def test_later_values_win_over_size_and_file() -> None:
 
 
 @pytest.mark.parametrize(("text", "value"), [
-    ("11", 11), ("0.5", 0.5), ("A", "A"), ("true", True), ("3,2,2", [3, 2, 2]), ("[[0,0,0.01]]", [[0, 0, 0.01]]),
+    ("11", 11), ("0.5", 0.5), ("A", "A"), ("true", True), ("3,2,2", [3, 2, 2]),
+    ("[[0,0,0.01]]", [[0, 0, 0.01]]),
     ('{1="ecm"}', {"1": "ecm"}), ("my mesh.vtk", "my mesh.vtk"), ("1e-3", 1e-3),
 ])
 def test_values_from_the_command_line(text: str, value: Any) -> None:
@@ -292,7 +294,8 @@ def test_a_folder_that_builds_on_another(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("toml", "words"), [
     ("title = ", "TOML"), ('mesh = "sphere"', "no mesh generator"), ("colour = 1", "unknown entry"),
-    ('base = "nothing"', "neither"), ('base = "cell"\n[parameters.x]\ndefault = 1', "needs a default and a doc"),
+    ('base = "nothing"', "neither"),
+    ('base = "cell"\n[parameters.x]\ndefault = 1', "needs a default and a doc"),
     ('base = "cell"\n[parameters.x]\ndefault = 1\ndoc = "some doc"\ncolor = 2', "no field"),
     ('base = "../big"', "circle"),
 ])
@@ -305,7 +308,8 @@ def test_faulty_templates_are_refused(tmp_path: Path, toml: str, words: str) -> 
 
 
 @pytest.mark.parametrize(("xml", "words"), [
-    ("<febio_spec>", "well-formed"), ("<a>${nothing}</a>", "no parameter"), ('<a><b for="x"/></a>', "name in list"),
+    ("<febio_spec>", "well-formed"), ("<a>${nothing}</a>", "no parameter"),
+    ('<a><b for="x"/></a>', "name in list"),
 ])
 def test_faulty_skeletons_are_refused(tmp_path: Path, xml: str, words: str) -> None:
     path = tmp_path / "model.feb"

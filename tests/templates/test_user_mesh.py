@@ -38,7 +38,8 @@ def cells_on_disk(path: Path, name: str, turn: bool = False) -> Any:
 def test_parts_are_told_from_outside_in(tmp_path: Path, turn: bool) -> None:
     made = cells_on_disk(tmp_path / "m.vtk", "part", turn)
     read = user_mesh(tmp_path / "m.vtk", {}, scale=0.001)
-    assert {k: len(v[1]) for k, v in read.parts.items()} == {k: len(v[1]) for k, v in made.parts.items()}
+    assert ({k: len(v[1]) for k, v in read.parts.items()}
+            == {k: len(v[1]) for k, v in made.parts.items()})
     assert list(read.parts) == ["ecm", "pcm_1", "pcm_2", "cell_1", "cell_2"]
     assert np.allclose(read.X, made.X)
 
