@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -29,13 +29,24 @@ if TYPE_CHECKING:
 Make = Callable[[], np.ndarray]
 
 
+class Frames(Protocol):
+    """Arrays of one shape, one a state."""
+
+    shape: tuple[int, ...]
+    dtype: Any
+
+    def frame(self, t: int) -> np.ndarray: ...
+
+    def fill(self, t: int, out: np.ndarray) -> None: ...
+
+
 class FrameArray(BackendArray):
     """(time, *frame) decoded on indexing; only the states asked for are read."""
 
-    def __init__(self, frames: Field | ElementStates, n: int) -> None:
+    def __init__(self, frames: Frames, n: int) -> None:
         self.frames = frames
         self.shape = (n, *frames.shape)
-        self.dtype = np.dtype(frames.dtype if isinstance(frames, ElementStates) else np.float32)
+        self.dtype = np.dtype(frames.dtype)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._get)
@@ -94,10 +105,10 @@ class MeshArray(BackendArray):
 class ElementStates:
     """Flags of the elements, 1 where an element is active, as frames."""
 
-    dtype = np.uint32
-
     def __init__(self, f: PlotFile, states: np.ndarray, n: int) -> None:
-        self.file, self.states, self.shape = f, states, (n,)
+        self.file, self.states = f, states
+        self.shape: tuple[int, ...] = (n,)
+        self.dtype: Any = np.uint32
 
     def frame(self, t: int) -> np.ndarray:
         flags = self.file.element_state(int(self.states[t]))

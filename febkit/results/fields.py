@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -80,6 +81,7 @@ class Field:
     places: Places
     apart: bool = False  # domain nodal data by (domain, node) pair instead of by node
     shape: tuple[int, ...] = field(init=False)
+    dtype: Any = np.float32
 
     def __post_init__(self) -> None:
         self._spans = self._region_spans()

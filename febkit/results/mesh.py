@@ -108,8 +108,6 @@ def plot_mesh(ds: xr.Dataset) -> PlotMesh:
     named = numbers(ds, "part_named") or [1] * len(parts)
     owners = numbers(ds, "part_materials") or list(range(1, len(parts) + 1))
     types, kind = texts(ds, "element_types"), ds["element_type"].values
-    if not sizes:
-        sizes = np.bincount(ds["part"].values, minlength=len(parts)).tolist()
     ids, conn, nodes = ds["element_id"].values, ds["connectivity"].values, widths()
     domains, at = [], 0
     for name, n, has_name, owner in zip(parts, sizes, named, owners):
@@ -117,6 +115,9 @@ def plot_mesh(ds: xr.Dataset) -> PlotMesh:
         rows = slice(at, at + n)
         domains.append(PlotDomain(t, owner, name if has_name else None, ids[rows], conn[rows, : nodes[t]]))
         at += n
+    if not sizes:  # no plotfile's dataset: a domain for each run of one part and type
+        owner_of = dict(zip(parts, owners))
+        domains = [PlotDomain(b.type, owner_of[b.part], b.part, b.element_ids, b.conn) for b in _blocks(ds)]
     facet_sets: list[PlotSurface] | None = [PlotSurface(n, r) for n, r in _facets(ds, "facet_set_facets")]
     if not facet_sets and not ("facets" in ds and ds["facets"].attrs.get("no_facet_sets")):
         facet_sets = None
