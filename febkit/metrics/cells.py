@@ -64,6 +64,12 @@ TABLE = {
         "rho * integral of q.n over the cell's deformed surface (eqs 17-18), outward > 0",
     ),
     "volume": ("volume", "volume", "sum V_e(t)"),
+    "volume_loss_rate": (
+        "mass exchange rate by balance",
+        "mass",
+        "-rho dV/dt, difference to the state before: what leaves through the surface, by mass balance "
+        "(right where every solved step is plotted)",
+    ),
     "axes_ratio_change": (
         "ellipsoid axis ratio change",
         "",
@@ -106,8 +112,10 @@ def cell_metrics(
     on = flux.surface(groups, len(pick.names))
     exchange = _Exchange.make(ds, pick, on, sources, sides)
     data = _measure(ds, groups, pick, sources, exchange)
+    rho = u.water if density is None else density
+    data["volume_loss_rate"] = -rho * _rate(data["volume"], np.asarray(ds["time"].values, dtype=float))
     if "mass_exchange_rate" in data:
-        data["mass_exchange_rate"] *= u.water if density is None else density
+        data["mass_exchange_rate"] *= rho
     return _dataset(ds, data, pick, sources, u, density, sides)
 
 
@@ -224,6 +232,14 @@ class _Moments:
             "axes_ratio_change": _ratio(axes) - _ratio(axes0),
             "centroid": (self.first / self.volume).T,
         }
+
+
+def _rate(v: Floats, t: Floats) -> Floats:
+    """(cell, time) backward difference; NaN at the first time."""
+    out = np.full(v.shape, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        out[:, 1:] = np.diff(v, axis=1) / np.diff(t)
+    return out
 
 
 def _ratio(axes: Floats) -> Floats:

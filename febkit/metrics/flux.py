@@ -102,13 +102,13 @@ class NodalMean:
         return total / self.count
 
 
-def darcy(group: Group, state: State, p: Floats, k: Permeability) -> Floats:
+def darcy(group: Group, state: State, p: Floats, k: Permeability, t: float) -> Floats:
     """(3, g, e) fluid flux -K grad p at the points, grad in the deformed configuration, p (N,) nodal."""
     if state.G is None:
         raise ValueError("the state was made without gradients")
     natural = np.matmul(group.dN, p[group.nodes]).reshape(-1, 3, group.nodes.shape[1])
     grad = np.stack([sum(natural[:, r] * state.G[r, i] for r in range(3)) for i in range(3)])
-    K = k(state.F, state.J)
+    K = k(state.F, state.J, t)
     if K.shape[0] == 1:
         return np.asarray(-K[0] * grad)
     full = ((0, 3, 5), (3, 1, 4), (5, 4, 2))

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import InputError
+from febkit.results.mesh import texts
 
 from .kinematics import Group
+from .materials import closed_form
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,8 +43,7 @@ def make(
 
     Parts of one material go together; without ``materials`` all parts do.
     """
-    parts = [str(p) for p in ds.attrs.get("parts", [])]
-    types = [str(t) for t in ds.attrs["element_types"]]
+    parts, types = texts(ds, "parts"), texts(ds, "element_types")
     type_code = np.asarray(ds["element_type"].values)[rows]
     part_code = np.asarray(ds["part"].values)[rows] if parts else np.zeros(len(rows), dtype=int)
     conn = np.asarray(ds["connectivity"].values)[rows]
@@ -62,10 +63,8 @@ def make(
 
 
 def _label(parts: list[str], k: int, materials: dict[str, Component] | None) -> str:
-    """Name of a part standing for all parts of its material."""
-    if not parts or materials is None:
+    """The part itself, or one that stands for all parts of its material where their law is one."""
+    if not parts or materials is None or parts[k] not in materials:
         return ""
-    mine = materials.get(parts[k])
-    if mine is None:
-        return ""
-    return next(p for p in materials if materials[p] is mine)
+    mine = materials[parts[k]]
+    return next(p for p in materials if materials[p] is mine) if closed_form(mine) else parts[k]

@@ -1,4 +1,4 @@
-"""Stress and permeability of the model's own materials, where the plotfile does not hold them."""
+"""Stress and permeability of the study's materials in closed form: no kernel is compiled for them."""
 
 from __future__ import annotations
 
@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import InputError, UnsupportedError
-
 from . import tensors
 
 if TYPE_CHECKING:
     from febkit.model import Component, Model
 
 Floats = NDArray[np.float64]
-# Cauchy stress (6, g, e) of the solid at F (3, 3, g, e), J (g, e)
-Stress = Callable[[Floats, Floats], Floats]
+# Cauchy stress (6, g, e) of the solid at F (3, 3, g, e), J (g, e), time
+Stress = Callable[[Floats, Floats, float], Floats]
 # spatial permeability K (6, g, e), or (1,) where isotropic and uniform
-Permeability = Callable[[Floats, Floats], Floats]
+Permeability = Callable[[Floats, Floats, float], Floats]
 
 
 def of_parts(model: Model) -> dict[str, Component]:
@@ -34,28 +32,29 @@ def solid(material: Component) -> Component:
     return material.child("solid") or material
 
 
-def stress(material: Component) -> Stress:
-    """Solid Cauchy stress; closed form where it is one line, the solver's own material otherwise."""
+def closed_form(material: Component) -> bool:
+    """True where the laws of all parts of this material are numbers known here."""
+    return stress(material) is not None and (
+        material.child("permeability") is None or permeability(material) is not None
+    )
+
+
+def stress(material: Component) -> Stress | None:
+    """Solid Cauchy stress in closed form; None where only the solver's own material has it."""
     spec = solid(material)
     make = _STRESS.get((spec.type or "").lower())
     numbers = _plain(spec, make[1]) if make else None
-    if make is None or numbers is None:
-        return _solver_stress(spec)
-    return make[0](*numbers)
+    return None if make is None or numbers is None else make[0](*numbers)
 
 
-def permeability(material: Component) -> Permeability:
-    """Spatial permeability of a biphasic material."""
+def permeability(material: Component) -> Permeability | None:
+    """Constant isotropic permeability; None for others."""
     spec = material.child("permeability")
-    if spec is None:
-        raise InputError(
-            f"material {material.name!r} has no permeability: it carries no fluid", material.where
-        )
-    numbers = _plain(spec, ("perm",)) if (spec.type or "").lower() == "perm-const-iso" else None
+    numbers = _plain(spec, ("perm",)) if spec is not None and spec.type == "perm-const-iso" else None
     if numbers is None:
-        return _solver_permeability(spec)
+        return None
     k = np.array([numbers[0]])
-    return lambda F, J: k
+    return lambda F, J, t: k
 
 
 def neo_hookean(E: float, v: float) -> Stress:
@@ -65,7 +64,7 @@ def neo_hookean(E: float, v: float) -> Stress:
     """
     mu, lam = E / (2 * (1 + v)), E * v / ((1 + v) * (1 - 2 * v))
 
-    def law(F: Floats, J: Floats) -> Floats:
+    def law(F: Floats, J: Floats, t: float) -> Floats:
         s = tensors.left_cauchy_green(F)
         s *= mu / J
         s[:3] += (lam * np.log(J) - mu) / J
@@ -91,11 +90,3 @@ def _plain(spec: Component, names: tuple[str, ...]) -> tuple[float, ...] | None:
 _STRESS: Mapping[str, tuple[Callable[..., Stress], tuple[str, ...]]] = {
     "neo-hookean": (neo_hookean, ("E", "v")),
 }
-
-
-def _solver_stress(spec: Component) -> Stress:
-    raise UnsupportedError(f'no stress law for a material of type "{spec.type}" here', spec.where)
-
-
-def _solver_permeability(spec: Component) -> Permeability:
-    raise UnsupportedError(f'no permeability law of type "{spec.type}" here', spec.where)

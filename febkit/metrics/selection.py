@@ -52,6 +52,12 @@ def select_cells(ds: xr.Dataset, cells: Cells = None, split: bool = True) -> Sel
     return Selection(names, rows, owner)
 
 
+def part_names(ds: xr.Dataset) -> list[str]:
+    from febkit.results.mesh import texts
+
+    return texts(ds, "parts")
+
+
 def part_rows(ds: xr.Dataset, name: str) -> Ints:
     """Element rows of a part or element set."""
     rows = _named(ds).get(name)
@@ -89,7 +95,7 @@ def _named(ds: xr.Dataset) -> dict[str, Ints]:
     """Parts, then element sets of other names, with their rows; parts of one name are one."""
     parts: dict[str, Ints] = {}
     index = np.asarray(ds["part"].values) if "part" in ds.variables else None
-    for k, name in enumerate(ds.attrs.get("parts", [])):
+    for k, name in enumerate(part_names(ds)):
         if index is not None:
             rows = np.flatnonzero(index == k)
             parts[str(name)] = np.concatenate([parts[str(name)], rows]) if str(name) in parts else rows
@@ -99,16 +105,20 @@ def _named(ds: xr.Dataset) -> dict[str, Ints]:
 
 
 def _element_sets(ds: xr.Dataset) -> dict[str, Ints]:
-    try:
-        from febkit.results import mesh
-    except ImportError:
-        return {}
+    """Rows of each element set; the results know them by element ids."""
+    from febkit.results import mesh
 
-    try:
-        sets = mesh.of(ds).element_sets
-    except (KeyError, ValueError):
+    sets = mesh.of(ds).element_sets
+    if not sets:
         return {}
-    return {str(k): np.asarray(v, dtype=np.int64) for k, v in sets.items()}
+    ids = np.asarray(ds["element_id"].values)
+    order = np.argsort(ids, kind="stable")
+    out = {}
+    for name, members in sets.items():
+        at = np.searchsorted(ids[order], members).clip(max=len(ids) - 1)
+        rows = order[at]
+        out[name] = rows[ids[rows] == members]
+    return out
 
 
 def _rows(ds: xr.Dataset, value: object) -> Ints:

@@ -14,6 +14,7 @@ from febkit.model import InputError, UnsupportedError
 from . import materials, tensors
 from .flux import darcy
 from .kinematics import Group, State
+from .solver_laws import SolverLaws
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,9 +50,11 @@ class Sources:
     model: Model | None = None
     notes: Provenance = field(default_factory=Provenance)
     parts: dict[str, Component] = field(init=False)
+    laws: SolverLaws | None = field(init=False)
 
     def __post_init__(self) -> None:
         self.parts = materials.of_parts(self.model) if self.model is not None else {}
+        self.laws = SolverLaws(self.model, self.ds) if self.model is not None else None
 
     def displacement(self, t: int) -> Floats:
         """(N, 3) nodal displacements."""
@@ -62,12 +65,12 @@ class Sources:
     def effective_stress(self, group: Group) -> EffectiveStress | None:
         """From the material at the integration points; else of the plotfile's element means."""
         what = "effective_stress"
-        law = self._law(group, materials.stress, what)
+        law, times = self._stress(group), np.asarray(self.ds["time"].values, dtype=float)
         if law is not None:
             self.notes.add(
                 what, "recomputed at the integration points from displacement and the model's material"
             )
-            return lambda s, t: group.mean(tensors.effective(law(s.F, s.J)))
+            return lambda s, t: group.mean(tensors.effective(law(s.F, s.J, times[t])))
         for name in ("stress", "solid_stress"):
             if name in self.ds:
                 self.notes.add(
@@ -93,8 +96,8 @@ class Sources:
                 "-K grad p at the integration points from displacement, effective fluid "
                 "pressure and the model's permeability, extrapolated to nodes as FEBio does",
             )
-            p = self.ds["effective_fluid_pressure"]
-            return lambda s, t: group.to_nodes(darcy(group, s, np.asarray(p[t].values, dtype=float), law))
+            points = self._flux(group, law)
+            return lambda s, t: group.to_nodes(points(s, t))
         if "fluid_flux" in self.ds:
             self.notes.add(what, "the plotfile's element mean fluid flux, constant in each element")
             f, n = self.ds["fluid_flux"], group.element.nodes
@@ -111,25 +114,38 @@ class Sources:
         law = self._permeability(group)
         if law is not None:
             self.notes.add("fluid_flux", "mean of -K grad p at the integration points")
-            p = self.ds["effective_fluid_pressure"]
-            return lambda s, t: group.mean(darcy(group, s, np.asarray(p[t].values, dtype=float), law))
+            points = self._flux(group, law)
+            return lambda s, t: group.mean(points(s, t))
         if "fluid_flux" in self.ds:
             self.notes.add("fluid_flux", "fluid flux of the plotfile")
             f = self.ds["fluid_flux"]
             return lambda s, t: np.asarray(f[t].values, dtype=float)[group.rows].T
         return None
 
-    def _permeability(self, group: Group) -> materials.Permeability | None:
-        if "effective_fluid_pressure" not in self.ds:
-            return None
-        return self._law(group, materials.permeability, "mass_exchange_rate")
-
-    def _law(self, group: Group, make: Callable[[Component], T], what: str) -> T | None:
+    def _stress(self, group: Group) -> materials.Stress | None:
         spec = self.parts.get(group.material)
-        if spec is None:
+        if spec is None or self.laws is None:
             return None
+        return materials.stress(spec) or self._tried(self.laws.stress, group, "effective_stress")
+
+    def _permeability(self, group: Group) -> materials.Permeability | None:
+        spec = self.parts.get(group.material)
+        if spec is None or self.laws is None or "effective_fluid_pressure" not in self.ds:
+            return None
+        if spec.child("permeability") is None:
+            return None
+        return materials.permeability(spec) or self._tried(
+            self.laws.permeability, group, "mass_exchange_rate"
+        )
+
+    def _tried(self, make: Callable[[Group], T], group: Group, what: str) -> T | None:
         try:
-            return make(spec)
+            return make(group)
         except UnsupportedError as e:
             self.notes.add(what, f"not from the model: {e}")
             return None
+
+    def _flux(self, group: Group, law: materials.Permeability) -> Callable[[State, int], Floats]:
+        """(3, g, e) Darcy flux at the points."""
+        p, times = self.ds["effective_fluid_pressure"], np.asarray(self.ds["time"].values, dtype=float)
+        return lambda s, t: darcy(group, s, np.asarray(p[t].values, dtype=float), law, times[t])

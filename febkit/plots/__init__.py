@@ -1,0 +1,27 @@
+"""The study's figures, drawn without a display: functions of datasets that return matplotlib figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_NAMES = {
+    "histories": "history",
+    "early_exchange": "history",
+    "bland_altman": "agreement",
+    "outside_counts": "agreement",
+    "errors": "agreement",
+    "convergence": "agreement",
+    "sections": "section",
+    "cut": "section",
+    "save": "canvas",
+}
+__all__ = list(_NAMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a name's module when it is first used: importing febkit.plots costs nothing."""
+    from importlib import import_module
+
+    if name not in _NAMES:
+        raise AttributeError(name)
+    return getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)

@@ -1,0 +1,119 @@
+"""How methods agree with the control: counts outside the limits (fig 6), Bland-Altman, errors by case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from febkit.metrics.agreement import bland_altman as differences
+from febkit.metrics.tables import HEADINGS
+
+from . import canvas
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def _names(metrics: Sequence[str]) -> list[str]:
+    return [HEADINGS.get(m, (m,))[0] for m in metrics]
+
+
+def bland_altman(
+    control: xr.Dataset, test: xr.Dataset, metrics: Sequence[str] | None = None, title: str = ""
+) -> Any:
+    """Difference over mean for each metric, with bias and 95 % limits; a colour for each cell."""
+    d = differences(control, test, metrics)
+    names = [str(m) for m in d["metric"].values]
+    columns = min(3, len(names))
+    figure, axes = canvas.grid(-(-len(names) // columns), columns)
+    colours = canvas.cell_colours(d.sizes["cell"])
+    for ax, m in zip(axes.flat, names):
+        one = d.sel(metric=m)
+        text, scale = canvas.label_of(control[m], m)
+        for k, colour in enumerate(colours):
+            ax.scatter(one["mean"][k] * scale, one["difference"][k] * scale, s=6, color=colour)
+        for key, style in (("bias", "-"), ("lower", "--"), ("upper", "--")):
+            ax.axhline(float(one[key]) * scale, color="0.3", ls=style, lw=0.8)
+        count = int(one["outside"].sum())
+        ax.set_title(f"{text}\n{count} of {one['outside'].size} outside", fontsize=9)
+        ax.set_xlabel("mean")
+        ax.set_ylabel("test - control")
+    for ax in axes.flat[len(names) :]:
+        ax.set_axis_off()
+    figure.suptitle(title)
+    return figure
+
+
+def outside_counts(agreement: Mapping[str, Mapping[str, xr.Dataset]], title: str = "") -> Any:
+    """Values outside the limits of agreement (fig 6): a group for each case, a bar for each method.
+
+    ``agreement`` is case -> method -> result of :func:`febkit.metrics.compare`.
+    """
+    return _bars(agreement, "outside", "values outside limits", title)
+
+
+def errors(agreement: Mapping[str, Mapping[str, xr.Dataset]], title: str = "") -> Any:
+    """Normalised RMS difference by case, method and metric: the study's table 2 as a picture."""
+    return _bars(agreement, "nrms", "RMS / range of control", title)
+
+
+def _bars(agreement: Mapping[str, Mapping[str, xr.Dataset]], key: str, label: str, title: str) -> Any:
+    cases = list(agreement)
+    methods = list(dict.fromkeys(m for c in cases for m in agreement[c]))
+    metrics = [str(m) for m in next(iter(agreement[cases[0]].values()))["metric"].values]
+    columns = min(3, len(metrics))
+    figure, axes = canvas.grid(-(-len(metrics) // columns), columns)
+    width = 0.8 / len(methods)
+    for ax, metric, name in zip(axes.flat, metrics, _names(metrics)):
+        for k, method in enumerate(methods):
+            v = [
+                float(agreement[c][method][key].sel(metric=metric)) if method in agreement[c] else np.nan
+                for c in cases
+            ]
+            ax.bar(
+                np.arange(len(cases)) + (k - (len(methods) - 1) / 2) * width,
+                v,
+                width * 0.92,
+                color=canvas.COLOURS[k + 1],
+                label=f"order {method}" if method[0].isdigit() else method,
+            )
+        ax.set_xticks(range(len(cases)), cases)
+        ax.set_title(name, fontsize=9)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(label)
+    for ax in axes.flat[len(metrics) :]:
+        ax.set_axis_off()
+    axes[0, 0].legend(fontsize=7, frameon=False)
+    figure.suptitle(title)
+    return figure
+
+
+def convergence(
+    size: Sequence[float],
+    error: Mapping[str, Sequence[float]],
+    x_label: str = "element size",
+    y_label: str = "error",
+    slopes: Sequence[float] = (1.0, 2.0),
+    title: str = "",
+) -> Any:
+    """Errors over element or step size on logarithmic axes, with the measured order of each line."""
+    figure, axes = canvas.grid(1, 1, 4.6, 3.6)
+    ax, h = axes[0, 0], np.asarray(size, dtype=float)
+    least = np.inf
+    for k, (label, e) in enumerate(error.items()):
+        y = np.asarray(e, dtype=float)
+        order = np.polyfit(np.log(h), np.log(y), 1)[0] if len(h) > 1 else np.nan
+        ax.loglog(
+            h, e, "o-", color=canvas.COLOURS[k % len(canvas.COLOURS)], ms=4, label=f"{label} ({order:.2f})"
+        )
+        least = min(least, float(y.min()))
+    for p in slopes:
+        ax.loglog(h, 0.6 * least * (h / h.min()) ** p, color="0.7", lw=0.8, ls=":", zorder=0)
+        ax.annotate(f"{p:g}", (h.max(), 0.6 * least * (h.max() / h.min()) ** p), fontsize=7, color="0.5")
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(y_label)
+    ax.legend(fontsize=8, frameon=False, title="measured order")
+    ax.set_title(title)
+    return figure

@@ -1,0 +1,57 @@
+"""Time histories of each metric, a line for each cell, control beside the methods (study figs 4, 5, 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from febkit.metrics.cells import METRICS
+
+from . import canvas
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def histories(
+    results: Mapping[str, xr.Dataset],
+    metrics: Sequence[str] | None = None,
+    until: float | None = None,
+    title: str = "",
+) -> Any:
+    """A row of axes for each metric, a column for each result (label -> metrics (cell, time)).
+
+    until  last time shown; None for all, on a scale that shows ramp and relaxation
+    """
+    first = next(iter(results.values()))
+    names = [m for m in (metrics or METRICS) if m in first]
+    figure, axes = canvas.grid(len(names), len(results), sharex="col", sharey="row")
+    for c, (label, ds) in enumerate(results.items()):
+        t = np.asarray(ds["time"].values, dtype=float)
+        show = t <= (t.max() if until is None else until * (1 + 1e-6))
+        colours = canvas.cell_colours(ds.sizes["cell"])
+        for r, m in enumerate(names):
+            ax = axes[r, c]
+            text, scale = canvas.label_of(first[m], m)
+            if m in ds:
+                v = ds[m].transpose("cell", "time").values * scale
+                for k, colour in enumerate(colours):
+                    ax.plot(t[show], v[k, show], color=colour, lw=1)
+            if until is None:
+                canvas.time_axis(ax, float(t.max()))
+            else:
+                ax.set_xlim(0, until)
+            ax.axhline(0, color="0.7", lw=0.5, zorder=0)
+            if c == 0:
+                ax.set_ylabel(text)
+        axes[0, c].set_title(label)
+        axes[-1, c].set_xlabel("time (s)")
+    figure.suptitle(title)
+    return figure
+
+
+def early_exchange(results: Mapping[str, xr.Dataset], until: float = 1.0, title: str = "") -> Any:
+    """Mass exchange rate over the first second (fig 7)."""
+    return histories(results, ["mass_exchange_rate"], until, title)

@@ -1,0 +1,211 @@
+"""What a study.toml says, checked before anything runs."""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from febkit.model import InputError, Where
+
+CASES = ("A", "B", "C", "D")
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid) or "overlay"."""
+
+    name: str
+    solid: int | None
+    fluid: int | None
+
+    @classmethod
+    def parse(cls, text: object, where: Where) -> Method:
+        t = str(text)
+        if t == "overlay":
+            return cls(t, None, None)
+        orders = t.split("/")
+        if len(orders) <= 2 and all(o in ("1", "2", "3") for o in orders):
+            return cls(t, int(orders[0]), int(orders[-1]))
+        raise InputError(
+            f'method {t!r} must be an order "1", "2" or "3", two of them "2/1" (solid/fluid), or "overlay"',
+            where,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Resources:
+    """Threads and memory of one solve; workers at a time (0: as many as fit the machine)."""
+
+    threads: int = 1
+    memory: float = 2.0  # GB
+    workers: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A study: models, cases, methods and points; ``folder`` is where its results live."""
+
+    file: Path
+    folder: Path
+    name: str
+    cases: tuple[str, ...]
+    methods: tuple[Method, ...]
+    control: bool
+    points: tuple[Point, ...]
+    tissue: Mapping[str, Any]
+    cell: Mapping[str, Any]
+    embedded: Mapping[str, Any]
+    coupling: Mapping[str, Any]
+    measure: Mapping[str, Any]
+    resources: Resources = field(default_factory=Resources)
+    keep: str = "all"
+
+
+_TOP = {
+    "name",
+    "cases",
+    "methods",
+    "control",
+    "folder",
+    "model",
+    "tissue",
+    "cell",
+    "embedded",
+    "points",
+    "coupling",
+    "measure",
+    "run",
+}
+
+
+def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
+    """Read a study.toml; ``overrides`` are "table.name=value" with values in TOML's spelling.
+
+    Raises InputError naming the file and what is wrong.
+    """
+    path = Path(path)
+    where = Where(str(path))
+    try:
+        t = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as e:
+        raise InputError(f"cannot open the study: {e.strerror}", where) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
+        raise InputError(f"not well-formed TOML: {e}", where) from None
+    for o in overrides:
+        _override(t, o)
+    for key in t:
+        if key not in _TOP:
+            raise InputError(f"unknown entry {key!r}; a study has {', '.join(sorted(_TOP))}", where)
+    shared = _table(t, "model", where)
+    cell = shared | _table(t, "cell", where)
+    control = bool(t.get("control", True))
+    return Study(
+        file=path,
+        folder=path.parent / str(t.get("folder", f"{path.stem}.study")),
+        name=str(t.get("name", path.stem)),
+        cases=_cases(t.get("cases", list(CASES)), where),
+        methods=tuple(Method.parse(m, where) for m in t.get("methods", ["1", "2"])),
+        control=control,
+        points=_points(_table(t, "points", where), path.parent, where),
+        tissue=_located(shared | _table(t, "tissue", where), path.parent, where),
+        cell=_located(cell, path.parent, where),
+        embedded=_located(_control(cell, _table(t, "embedded", where)), path.parent, where),
+        coupling=_table(t, "coupling", where),
+        measure=_table(t, "measure", where),
+        resources=_resources(_table(t, "run", where), where),
+        keep=_keep(_table(t, "run", where), where),
+    )
+
+
+def _override(t: dict[str, Any], text: str) -> None:
+    name, _, value = text.partition("=")
+    try:
+        parsed = tomllib.loads(f"v = {value}")["v"]
+    except tomllib.TOMLDecodeError:
+        parsed = value
+    *tables, last = name.strip().split(".")
+    for k in tables:
+        t = t.setdefault(k, {})
+    t[last] = parsed
+
+
+def _table(t: Mapping[str, Any], name: str, where: Where) -> dict[str, Any]:
+    v = t.get(name, {})
+    if not isinstance(v, dict):
+        raise InputError(f"[{name}] must be a table", where)
+    return dict(v)
+
+
+def _cases(v: object, where: Where) -> tuple[str, ...]:
+    cases = tuple(str(c) for c in (v if isinstance(v, list) else [v]))
+    for c in cases:
+        if c not in CASES:
+            raise InputError(f"case {c!r} is none of {', '.join(CASES)}", where)
+    if not cases:
+        raise InputError("a study needs at least one case", where)
+    return cases
+
+
+def _points(t: Mapping[str, Any], base: Path, where: Where) -> tuple[Point, ...]:
+    """``at`` = [[x, y, z], ...] or ``file`` = a CSV of x,y,z lines; the centre where neither is given."""
+    if "file" in t:
+        path = base / str(t["file"])
+        try:
+            rows = [r for r in csv.reader(path.read_text(encoding="utf-8").splitlines()) if r]
+        except OSError as e:
+            raise InputError(f"cannot open the points {path}: {e.strerror}", where) from None
+        if rows and not _numbers(rows[0]):
+            rows = rows[1:]
+    else:
+        rows = t.get("at", [[0.0, 0.0, 0.0]])
+    points = []
+    for k, r in enumerate(rows):
+        v = _numbers(r)
+        if v is None or len(v) != 3:
+            raise InputError(f"point {k + 1} must be three numbers, not {r!r}", where)
+        points.append((v[0], v[1], v[2]))
+    if len(set(points)) < len(points):
+        raise InputError("a point is given twice", where)
+    return tuple(points)
+
+
+def _numbers(row: Any) -> list[float] | None:
+    try:
+        return [float(x) for x in row]
+    except (TypeError, ValueError):
+        return None
+
+
+def _located(t: dict[str, Any], base: Path, where: Where) -> dict[str, Any]:
+    """Paths of a model's own files, relative to the study."""
+    for k in ("file", "results", "template"):
+        if k in t:
+            p = (base / str(t[k])).resolve()
+            if not p.exists():
+                raise InputError(f"{p} does not exist", where)
+            t[k] = str(p)
+    return t
+
+
+def _control(cell: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """The control is made of the cell model's own parameters, but not of its files."""
+    return {k: v for k, v in cell.items() if k not in ("file", "template", "drive")} | dict(own)
+
+
+def _resources(t: Mapping[str, Any], where: Where) -> Resources:
+    unknown = set(t) - {"threads", "memory", "workers", "keep"}
+    if unknown:
+        raise InputError(f"unknown entry {sorted(unknown)[0]!r} in [run]", where)
+    return Resources(int(t.get("threads", 1)), float(t.get("memory", 2.0)), int(t.get("workers", 0)))
+
+
+def _keep(t: Mapping[str, Any], where: Where) -> str:
+    keep = str(t.get("keep", "all"))
+    if keep not in ("all", "metrics"):
+        raise InputError(f'keep must be "all" or "metrics", not {keep!r}', where)
+    return keep

@@ -1,0 +1,120 @@
+"""A study's results as one dataset, and where it stands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .plan import CONTROL, Plan
+from .store import Store
+from .work import AGREEMENT, METRICS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def finished(plan: Plan) -> Iterator[tuple[tuple[str, str, int], xr.Dataset]]:
+    """Metrics there are, by (case, method, point)."""
+    import xarray as xr
+
+    store = Store(plan.study.folder)
+    for where, step in plan.metrics.items():
+        if store.has(step.key):
+            with xr.open_dataset(store.path(step.key) / METRICS) as ds:
+                yield where, ds.load()
+
+
+def results(plan: Plan) -> xr.Dataset:
+    """All metrics (case, method, point, cell, time); NaN where a step has not been done.
+
+    Times are those of the first result.
+    """
+    import xarray as xr
+
+    study = plan.study
+    methods = ([CONTROL] if study.control else []) + [m.name for m in study.methods]
+    coords: dict[str, Any] = {
+        "case": list(study.cases),
+        "method": methods,
+        "point": np.arange(len(study.points)),
+    }
+    out: xr.Dataset | None = None
+    for (case, method, point), ds in finished(plan):
+        if out is None:
+            out = _empty(ds, coords)
+        at = (study.cases.index(case), methods.index(method), point)
+        for name in out.data_vars:
+            if name in ds:
+                own = ds[name].reindex(cell=out["cell"]).transpose(*out[name].dims[3:])
+                out[name].values[at] = _at_times(own, out["time"].values)
+    if out is None:
+        return xr.Dataset(coords=coords)
+    out = out.assign_coords(position=(("point", "xyz"), np.array(study.points, dtype=float)))
+    out.attrs["study"] = study.name
+    return out
+
+
+def _at_times(v: xr.DataArray, times: np.ndarray) -> np.ndarray:
+    """Values at ``times``, NaN where a result has no such time (to single precision)."""
+    own = v["time"].values
+    near = np.abs(own[None] - times[:, None]).argmin(axis=1)
+    ok = np.abs(own[near] - times) <= 1e-4 * np.maximum(np.abs(times), 1e-3)
+    a = np.moveaxis(v.values, v.dims.index("time"), -1)[..., near]
+    return np.moveaxis(np.where(ok, a, np.nan), -1, v.dims.index("time"))
+
+
+def _empty(ds: xr.Dataset, coords: dict[str, Any]) -> xr.Dataset:
+    import xarray as xr
+
+    shape = tuple(len(v) for v in coords.values())
+    data = {
+        name: ((*coords, *v.dims), np.full((*shape, *v.shape), np.nan), v.attrs)
+        for name, v in ds.data_vars.items()
+        if "cell" in v.dims
+    }
+    return xr.Dataset(
+        data,
+        coords={**coords, **{k: ds[k] for k in ("cell", "time", "xyz") if k in ds.coords}},
+        attrs=ds.attrs,
+    )
+
+
+def agreements(plan: Plan) -> dict[tuple[str, str, int], xr.Dataset]:
+    """Agreement with the control by (case, method, point)."""
+    import xarray as xr
+
+    store = Store(plan.study.folder)
+    out = {}
+    for where, step in plan.agreement.items():
+        if store.has(step.key):
+            with xr.open_dataset(store.path(step.key) / AGREEMENT) as ds:
+                out[where] = ds.load()
+    return out
+
+
+def status(plan: Plan) -> list[dict[str, Any]]:
+    """One row per kind of step: done, failed and still to do, and the seconds done ones took."""
+    store = Store(plan.study.folder)
+    needed = plan.needed(store)
+    counts: dict[str, Counter[str]] = {}
+    seconds: Counter[str] = Counter()
+    for key, step in plan.steps().items():
+        c = counts.setdefault(step.kind, Counter())
+        if store.has(key):
+            c["done"] += 1
+            seconds[step.kind] += store.record(key)["seconds"]
+        elif key not in needed:
+            c["done, files dropped"] += 1
+        else:
+            c["failed" if store.failure(key) else "to do"] += 1
+    return [{"kind": k, **c, "seconds": round(seconds[k], 1)} for k, c in counts.items()]
+
+
+def failures(plan: Plan) -> list[tuple[str, str]]:
+    """(label, why) of the steps that failed last time."""
+    store = Store(plan.study.folder)
+    found = ((s.label, store.failure(k)) for k, s in plan.needed(store).items())
+    return [(label, why) for label, why in found if why]

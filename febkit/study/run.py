@@ -1,0 +1,195 @@
+"""Carry out a plan: here one step after the other, or on a Dask cluster, what is independent at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from febkit.model import InputError
+
+from .config import Resources
+from .plan import Plan
+from .step import Step
+from .store import Store
+
+# done steps, all steps, the step just finished and how
+Progress = Callable[[int, int, "Outcome"], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a step ended: "done", "failed" (``message`` says why) or "skipped" (an input is missing)."""
+
+    key: str
+    label: str
+    state: str
+    message: str = ""
+    seconds: float = 0.0
+
+
+@dataclass(slots=True)
+class Summary:
+    """What a run did."""
+
+    done: list[Outcome] = field(default_factory=list)
+    failed: list[Outcome] = field(default_factory=list)
+    skipped: list[Outcome] = field(default_factory=list)
+    reused: int = 0
+
+    def add(self, o: Outcome) -> None:
+        {"done": self.done, "failed": self.failed, "skipped": self.skipped}[o.state].append(o)
+
+    @property
+    def complete(self) -> bool:
+        return not self.failed and not self.skipped
+
+
+def carry_out(plan: Plan, scheduler: str = "local", progress: Progress | None = None) -> Summary:
+    """Do what the store does not hold yet; a second run after an interruption carries on.
+
+    scheduler  "local" (Dask workers on this machine), "serial" (this process), or the address of a Dask
+               scheduler such as "tcp://host:8786" whose workers see the study's folder
+    """
+    store = Store(plan.study.folder.resolve())
+    store.root.mkdir(parents=True, exist_ok=True)
+    store.sweep()
+    needed = plan.needed(store)
+    summary = Summary(reused=len(plan.steps()) - len(needed))
+    outcomes = _serial(store, needed) if scheduler == "serial" else _dask(plan, store, needed, scheduler)
+    for outcome in outcomes:
+        summary.add(outcome)
+        if progress is not None:
+            count = len(summary.done) + len(summary.failed) + len(summary.skipped)
+            progress(count, len(needed), outcome)
+    return summary
+
+
+def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
+    """One step, wherever it runs. Expected failures are outcomes, not exceptions."""
+    from . import work
+
+    store, key = Store(Path(root)), spec["key"]
+    about = {k: spec[k] for k in ("kind", "label", "params", "inputs")}
+    if store.has(key):
+        return Outcome(key, spec["label"], "done", "found in the store")
+    if not all(store.has(k) for k in spec["inputs"].values()):
+        return Outcome(key, spec["label"], "skipped", "a step it rests on has not been done")
+    inputs = {n: store.path(k) for n, k in spec["inputs"].items()}
+    try:
+        with store.making(key, about) as (folder, record):
+            work.KINDS[spec["kind"]](work.Job(folder, spec["params"], inputs, record, spec["files"]))
+    except (InputError, work.SolveFailed) as e:
+        store.fail(key, about, str(e))
+        return Outcome(key, spec["label"], "failed", str(e))
+    for k in spec["drop"]:
+        store.drop(k)
+    return Outcome(key, spec["label"], "done", seconds=record["seconds"])
+
+
+def _serial(store: Store, needed: dict[str, Step]) -> Iterator[Outcome]:
+    for step in needed.values():
+        yield do(str(store.root), step.spec())
+
+
+def _dask(plan: Plan, store: Store, needed: dict[str, Step], scheduler: str) -> Iterator[Outcome]:
+    if not needed:
+        return
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise InputError(
+            'the "local" scheduler and tcp:// addresses need Dask: pip install "febkit[dask]", '
+            "or use --scheduler serial"
+        ) from None
+    with _client(Client, plan.study.resources, len(needed), scheduler) as client:
+        _check_sight(client, store)
+        futures: dict[str, Any] = {}
+        for key, step in needed.items():
+            first = [futures[i.key] for i in step.inputs.values() if i.key in futures]
+            futures[key] = client.submit(
+                do,
+                str(store.root),
+                step.spec(),
+                *first,
+                key=f"{step.kind}-{key}",
+                pure=False,
+                retries=2,
+                priority=-len(first),
+            )
+        label = {futures[k].key: s for k, s in needed.items()}
+        for future in as_completed(list(futures.values())):
+            step = label[future.key]
+            error = future.exception()
+            if error is None:
+                yield future.result()
+                continue
+            message = f"{type(error).__name__}: {error}"
+            store.fail(step.key, {"kind": step.kind, "label": step.label}, message)
+            yield Outcome(step.key, step.label, "failed", message)
+
+
+@contextmanager
+def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any]:
+    """A client of the cluster asked for; a local cluster is made to fit the machine."""
+    if scheduler != "local":
+        try:
+            client = make(scheduler, timeout="10s")
+        except (OSError, ValueError) as e:
+            raise InputError(f"cannot reach a Dask scheduler at {scheduler!r}: {e}") from None
+        with client:
+            yield client
+        return
+    import dask
+    from distributed import LocalCluster
+
+    workers = min(fitting_workers(r), max(steps, 1))
+    env = {
+        k: str(r.threads)
+        for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "FEBKIT_THREADS")
+    }
+    with (
+        dask.config.set(
+            {"distributed.nanny.pre-spawn-environ": env, "distributed.worker.memory.terminate": 0.98}
+        ),
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=f"{r.memory}GB",
+            dashboard_address=None,
+            silence_logs=50,
+        ) as cluster,
+        make(cluster) as client,
+    ):
+        yield client
+
+
+def fitting_workers(r: Resources) -> int:
+    """Solves at a time: cores over threads each, and no more than memory has room for."""
+    if r.workers:
+        return r.workers
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    by_cores = max(1, cores // max(1, r.threads))
+    return max(1, min(by_cores, int(_free_memory() / r.memory)))
+
+
+def _free_memory() -> float:
+    """GB that are free now."""
+    import psutil  # type: ignore[import-untyped]
+
+    return float(psutil.virtual_memory().available) / 1e9
+
+
+def _check_sight(client: Any, store: Store) -> None:
+    """Workers on other machines must see the study's folder under the same path."""
+    seen = client.run(os.path.isdir, str(store.root))
+    blind = [w for w, ok in seen.items() if not ok]
+    if blind:
+        raise InputError(
+            f"workers {', '.join(blind[:3])} do not see {store.root}: "
+            "put the study on a file system that all of them share"
+        )

@@ -1,0 +1,127 @@
+"""What each kind of step does, in a folder of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+MODEL, RESULTS, SERIES, METRICS, AGREEMENT = (
+    "model.feb",
+    "run.xplt",
+    "series.nc",
+    "metrics.nc",
+    "agreement.nc",
+)
+
+
+class SolveFailed(Exception):
+    """A solve ended without reaching the end time; the message says why and when."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Where to write, what to do, folders of the inputs by name, and the step's record to add facts to."""
+
+    folder: Path
+    params: Mapping[str, Any]
+    inputs: Mapping[str, Path]
+    record: dict[str, Any]
+    files: Mapping[str, str]
+
+
+def build(job: Job) -> None:
+    """A model from a template."""
+    from febkit import feb, templates
+
+    values = dict(job.params["values"])
+    folder = values.pop("template", None)
+    model = templates.new(job.params["template"], template=folder, **values)
+    feb.write(model, job.folder / MODEL)
+    job.record["nodes"] = len(model.mesh.X)
+    job.record["elements"] = sum(len(b.ids) for b in model.mesh.blocks)
+
+
+def adopt(job: Job) -> None:
+    """A user's own model or plotfile, linked where the file system can, else copied."""
+    for what, name in (("model", MODEL), ("results", RESULTS)):
+        if what in job.files:
+            try:
+                os.link(job.files[what], job.folder / name)
+            except OSError:
+                shutil.copyfile(job.files[what], job.folder / name)
+
+
+def solve(job: Job) -> None:
+    """Solve a model; keeps the plotfile and the log."""
+    from febkit import feb
+    from febkit.solving import solve as run
+
+    model = feb.read(job.inputs["model"] / MODEL)
+    threads = int(os.environ.get("FEBKIT_THREADS", "0"))
+    said: list[str] = []
+    result = run(model, job.folder / RESULTS, job.folder / "run.log", threads, warn=said.append)
+    if not result.converged:
+        raise SolveFailed(result.reason)
+    job.record["steps"], job.record["iterations"] = result.totals.steps, result.totals.iterations
+    job.record["warnings"] = said
+    job.record["peak_memory_mb"] = _peak_memory()
+
+
+def series(job: Job) -> None:
+    """Taylor series of the tissue's field at every point."""
+    from febkit import coupling
+
+    raise NotImplementedError(coupling.__name__)
+
+
+def drive(job: Job) -> None:
+    """A cell model with the tissue's field on its surface."""
+    raise NotImplementedError
+
+
+def measure(job: Job) -> None:
+    """Metrics of every cell."""
+    from febkit import feb, results
+    from febkit.metrics import cell_metrics
+
+    path = job.inputs["model"] / MODEL
+    model = feb.read(path) if path.is_file() else None
+    with results.open(job.inputs["results"] / RESULTS) as ds:
+        cell_metrics(ds, model, **job.params).to_netcdf(job.folder / METRICS)
+
+
+def compare(job: Job) -> None:
+    """Agreement of a method's metrics with the control's."""
+    import xarray as xr
+
+    from febkit.metrics import compare as agree
+
+    with (
+        xr.open_dataset(job.inputs["control"] / METRICS) as a,
+        xr.open_dataset(job.inputs["test"] / METRICS) as b,
+    ):
+        agree(a.load(), b.load()).to_netcdf(job.folder / AGREEMENT)
+
+
+def _peak_memory() -> float:
+    """MB this process has held at most, this step or an earlier one."""
+    import resource
+    import sys
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (1e6 if sys.platform == "darwin" else 1e3), 1)
+
+
+KINDS: Mapping[str, Callable[[Job], None]] = {
+    "build": build,
+    "adopt": adopt,
+    "solve": solve,
+    "series": series,
+    "drive": drive,
+    "measure": measure,
+    "compare": compare,
+}
