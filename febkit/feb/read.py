@@ -1,4 +1,4 @@
-"""A .feb file to a Model."""
+"""A .feb file of any version to a Model."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ from pathlib import Path
 
 from febkit.model import InputError, Model, Where
 
+from . import convert, include
 from .build import ModelBuilder
-from .document import parse
+from .document import Document, Tag, parse
+from .edit import clone
 
 
 def read(path: str | PathLike[str]) -> Model:
-    """The model in a .feb file. Raises InputError with file and line where it cannot be read."""
+    """The model in a .feb file of version 1.0 to 4.0, with the files it includes.
+
+    Raises InputError with file and line where it cannot be read. ``model.version`` is the file's own;
+    the records are those of version 4.0.
+    """
     p = Path(path)
     try:
         data = p.read_bytes()
@@ -24,13 +30,24 @@ def read(path: str | PathLike[str]) -> Model:
 def read_bytes(data: bytes, file: str = "") -> Model:
     """The model in the bytes of a .feb file; ``file`` names it in messages and locates its includes."""
     doc = parse(data, file)
-    root = doc.root
-    if root.name != "febio_spec":
-        raise InputError(f"this is no .feb file: its root is <{root.name}>, not <febio_spec>", root.where)
-    version = root.need("version")
-    if version != "4.0":
-        raise InputError(f'febio_spec version "{version}" is not read', root.where)
-    model = ModelBuilder(root, file, doc).build()
+    root, own = tree(doc, file)
+    model = ModelBuilder(root, file, doc if own else None).build()
+    object.__setattr__(model, "version", doc.root.need("version"))
     object.__setattr__(model, "document", doc)
     doc.baseline = model
     return model
+
+
+def tree(doc: Document, file: str) -> tuple[Tag, bool]:
+    """The file's tree raised to version 4.0, and whether it is the document's own."""
+    root = doc.root
+    if root.name != "febio_spec":
+        raise InputError(f"this is no .feb file: its root is <{root.name}>, not <febio_spec>", root.where)
+    foreign = any(t.name == "Include" or "from" in t.attrs for t in root)
+    if root.need("version") == "4.0" and not foreign:
+        return root, True
+    root = clone(root)
+    if foreign:
+        include.resolve(root, file)
+    convert.up(root)
+    return root, False

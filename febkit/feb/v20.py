@@ -15,8 +15,8 @@ from .edit import drop_empty, fresh, leaf, pop, rename, section, stages, text
 from .mesh import FACETS, LINES
 from .v30 import listed, walk
 
-SPRINGS = {"": "linear spring", "linear": "linear spring", "tension-only linear": "tension-only linear spring",
-           "nonlinear": "nonlinear spring"}
+SPRINGS = {"": "linear spring", "linear": "linear spring",
+           "tension-only linear": "tension-only linear spring", "nonlinear": "nonlinear spring"}
 INITIAL = {"temperature": "T", "fluid_pressure": "p", "shell_fluid_pressure": "q", "dilatation": "ef"}
 CONTACTS = {"sliding_with_gaps": "sliding-node-on-facet", "facet-to-facet sliding": "sliding-facet-on-facet",
             "sliding2": "sliding-biphasic", "sliding3": "sliding-biphasic-solute",
@@ -47,7 +47,7 @@ class Names:
 
 
 def _numbered(like: Tag, kinds: dict[str, int]) -> list[Tag]:
-    rows = []
+    rows: list[Tag] = []
     for c in like:
         if c.name not in kinds:
             raise InputError(f"<{c.name}> does not belong in <{like.name}>", c.where)
@@ -128,7 +128,8 @@ def _put(maps: dict[tuple[str, str], Tag], place: tuple[str, int] | None, value:
     part, lid = place
     default = Tag("ElementData", {"var": var, "elem_set": part}, line=c.line, doc=c.doc)
     rows = maps.setdefault((part, var), default)
-    rows.children.append(Tag("elem", {"lid": str(lid)}, value.text, list(value.children), value.line, value.doc))
+    below = list(value.children)
+    rows.children.append(Tag("elem", {"lid": str(lid)}, value.text, below, value.line, value.doc))
 
 
 def boundary_up(c: Tag, names: Names, root: Tag) -> list[Tag]:
@@ -183,13 +184,14 @@ def initial_up(c: Tag, names: Names) -> Tag:
     if c.table is not None:
         values = {",".join(map(repr, v)) for v in c.table.values.tolist()}
     if len(values) != 1:
-        raise InputError(f"<{c.name}> with a value of its own at each node is not read: use one value", c.where)
+        raise InputError(f"<{c.name}> with a value for each node is not read: use one value", c.where)
     name = names.nodes(c, c.name)
     if c.name == "velocity":
         new = Tag("ic", {"type": "velocity", "node_set": name}, line=c.line, doc=c.doc)
     else:
         solute = c.get("sol") or "1"
-        dof = INITIAL.get(c.name) or {"concentration": f"c{solute}", "shell_concentration": f"d{solute}"}.get(c.name)
+        solutes = {"concentration": f"c{solute}", "shell_concentration": f"d{solute}"}
+        dof = INITIAL.get(c.name) or solutes.get(c.name)
         if dof is None:
             raise InputError(f"<{c.name}> does not belong in <Initial>", c.where)
         new = Tag("init", {"bc": dof, "node_set": name}, line=c.line, doc=c.doc)
@@ -268,7 +270,8 @@ def surfaces_up(c: Tag, names: Names) -> None:
     for s in c.all("surface"):
         c.children.remove(s)
         if s.get("format") == "element face":
-            raise InputError('surfaces of format="element face" are not read: list the nodes of the faces', s.where)
+            message = 'surfaces of format="element face" are not read: list the nodes of the faces'
+            raise InputError(message, s.where)
         side = {"master": "secondary", "slave": "primary"}.get(s.get("type") or "slave", "primary")
         sides[side] = s.get("set") or names.surface(s, f"contact_{side}")
     for p in c:
@@ -301,7 +304,8 @@ def discrete_up(stage: Tag, names: Names) -> None:
             name = fresh(c.get("name") or "springs", names.used)
             names.geometry.children.append(Tag("DiscreteSet", {"name": name}, children=pairs))
             attrs = {"id": str(count), "name": name, "type": SPRINGS.get(kind, kind)}
-            out.append(Tag("discrete_material", attrs, children=[r for r in c if r.name != "node"], line=c.line))
+            rest = [r for r in c if r.name != "node"]
+            out.append(Tag("discrete_material", attrs, children=rest, line=c.line, doc=c.doc))
             out.append(Tag("discrete", {"dmat": str(count), "discrete_set": name}, line=c.line, doc=c.doc))
         s.children = out
 
@@ -324,10 +328,10 @@ def down(root: Tag, notes: list[str]) -> None:
         elif c.name == "DiscreteSet":
             springs[c.need("name")] = [x.text.strip() for x in c]
             geometry.children.remove(c)
-    node_data = maps_down(root, geometry, notes)
+    maps_down(root, geometry, notes)
     for stage in stages(root):
         for s in stage.all("Boundary"):
-            s.children = [new for c in s for new in boundary_down(c, node_data, stage, notes)]
+            s.children = [new for c in s for new in boundary_down(c, stage, geometry, notes)]
         for s in stage.all("Initial"):
             s.children = [new for c in s for new in initial_down(c, geometry, notes)]
         for s in stage.all("Loads"):
@@ -351,17 +355,14 @@ def down(root: Tag, notes: list[str]) -> None:
             rename(entry, "elem_set", "elset")
 
 
-def maps_down(root: Tag, geometry: Tag, notes: list[str]) -> dict[str, Tag]:
-    """Element maps go to <ElementData>; node maps are returned by name."""
+def maps_down(root: Tag, geometry: Tag, notes: list[str]) -> None:
+    """Element maps go to <ElementData>."""
     back = {v: k for k, v in ELEMENT_DATA.items()}
-    ids = {c.get("elset") or c.get("name") or "": listed(c) for c in geometry if c.name in ("Elements", "ElementSet")}
+    ids = {c.get("elset") or c.get("name") or "": listed(c) for c in geometry
+           if c.name in ("Elements", "ElementSet")}
     rows: dict[str, Tag] = {}
-    node_data: dict[str, Tag] = {}
     for s in root.all("MeshData"):
         for d in s:
-            if d.name == "NodeData" and "generator" not in d.attrs:
-                node_data[d.get("name") or ""] = d
-                continue
             var = back.get(d.get("var") or "")
             if d.name != "ElementData" or var is None:
                 notes.append(f'map "{d.get("name") or d.get("var")}": version 2.0 does not have it')
@@ -373,22 +374,22 @@ def maps_down(root: Tag, geometry: Tag, notes: list[str]) -> dict[str, Tag]:
     root.children = [c for c in root if c.name != "MeshData"]
     if rows:
         geometry.children.append(Tag("ElementData", children=list(rows.values())))
-    return node_data
 
 
 def _rows(d: Tag) -> list[tuple[int, str, list[Tag]]]:
     if d.table is not None:
-        return [(i, ",".join(map(repr, v)), []) for i, v in zip(d.table.labels.tolist(), d.table.values.tolist())]
+        labels, values = d.table.labels.tolist(), d.table.values.tolist()
+        return [(i, ",".join(map(repr, v)), []) for i, v in zip(labels, values)]
     return [(int(r.need("lid")), r.text.strip(), r.children) for r in d]
 
 
-def boundary_down(c: Tag, node_data: dict[str, Tag], stage: Tag, notes: list[str]) -> list[Tag]:
+def boundary_down(c: Tag, stage: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
     pop(c, "name")
     if c.name == "rigid_body":
         section(stage, "Constraints", ("Boundary",)).children.append(c)
         return []
     if c.name == "rigid":
-        nodes = _set_nodes(c, stage)
+        nodes = _set_nodes(c, geometry)
         contact = section(stage, "Contact", ("Boundary",))
         rows = [leaf("node", id=i, rb=c.need("rb")) for i in nodes]
         contact.children.append(Tag("contact", {"type": "rigid"}, children=rows))
@@ -398,14 +399,11 @@ def boundary_down(c: Tag, node_data: dict[str, Tag], stage: Tag, notes: list[str
         return []
     rename(c, "node_set", "set")
     if c.name == "prescribe":
-        return prescribe_down(c, node_data, notes)
+        return prescribe_down(c, notes)
     return [c]
 
 
-def _set_nodes(c: Tag, stage: Tag) -> list[str]:
-    geometry = stage.child("Geometry")
-    if geometry is None:
-        return []
+def _set_nodes(c: Tag, geometry: Tag) -> list[str]:
     for s in geometry:
         if s.name == "NodeSet" and s.get("name") == c.get("node_set"):
             return listed(s)
@@ -414,7 +412,7 @@ def _set_nodes(c: Tag, stage: Tag) -> list[str]:
     return []
 
 
-def prescribe_down(c: Tag, node_data: dict[str, Tag], notes: list[str]) -> list[Tag]:
+def prescribe_down(c: Tag, notes: list[str]) -> list[Tag]:
     scale = c.child("scale")
     if scale is not None and scale.get("type") not in (None, "const"):
         notes.append(f'<prescribe bc="{c.get("bc")}" set="{c.get("set")}"> with a {scale.get("type")} value: '
@@ -430,7 +428,7 @@ def prescribe_down(c: Tag, node_data: dict[str, Tag], notes: list[str]) -> list[
 
 
 def initial_down(c: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
-    nodes = _set_nodes(c, Tag("x", children=[geometry]))
+    nodes = _set_nodes(c, geometry)
     rows = [leaf("node", text(c, "value"), id=i) for i in nodes]
     if c.name == "ic" and c.get("type") == "velocity":
         return [Tag("velocity", children=rows)]
@@ -439,7 +437,8 @@ def initial_down(c: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
     if name is not None:
         return [Tag(name, children=rows)]
     if bc[:1] in ("c", "d") and bc[1:].isdigit():
-        return [Tag("concentration" if bc[0] == "c" else "shell_concentration", {"sol": bc[1:]}, children=rows)]
+        name = "concentration" if bc[0] == "c" else "shell_concentration"
+        return [Tag(name, {"sol": bc[1:]}, children=rows)]
     notes.append(f'<{c.name} type="{c.get("type") or bc}"> in <Initial>: version 2.0 does not have it')
     return []
 
@@ -448,7 +447,8 @@ def load_down(c: Tag, notes: list[str]) -> bool:
     if c.name == "nodal_load":
         scale = c.child("scale")
         if scale is not None and scale.get("type") not in (None, "const"):
-            notes.append(f'<nodal_load bc="{c.get("bc")}"> with a value that varies: version 2.0 does not have it')
+            notes.append(f'<nodal_load bc="{c.get("bc")}"> with a value that varies: '
+                         "version 2.0 does not have it")
             return False
         rename(c, "node_set", "set")
         pop(c, "name")

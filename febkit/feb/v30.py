@@ -9,7 +9,20 @@ from __future__ import annotations
 
 from . import dofs
 from .document import Tag
-from .edit import drop_empty, fresh, is_true, leaf, materials, pop, rename, section, set_child, stages, take, text
+from .edit import (
+    drop_empty,
+    fresh,
+    is_true,
+    leaf,
+    materials,
+    pop,
+    rename,
+    section,
+    set_child,
+    stages,
+    take,
+    text,
+)
 from .mesh import ints
 
 QN = {"max_ups": "max_ups", "qn_max_buffer_size": "max_buffer_size", "qn_cycle_buffer": "cycle_buffer",
@@ -76,7 +89,8 @@ def sets_up(mesh: Tag) -> None:
     for s in mesh:
         if s.name in ("NodeSet", "ElementSet"):
             if s.children or s.table is not None:
-                words = [w for c in s.all("node_list") for w in c.text.replace(",", " ").split()] + listed(s)
+                words = [w for c in s.all("node_list") for w in c.text.replace(",", " ").split()]
+                words += listed(s)
                 words += [known.get(c.get("node_set") or c.get("set") or "", "") for c in s.all("NodeSet")]
                 s.text, s.children, s.table = ",".join(w for w in words if w), [], None
             if s.name == "NodeSet":
@@ -86,7 +100,9 @@ def sets_up(mesh: Tag) -> None:
 def control_up(control: Tag, module: str) -> str:
     """Returns the shell formulation that the control asks for, if any."""
     solver = control.child("solver")
-    shell = take(control, "shell_formulation") or (take(solver, "shell_formulation") if solver is not None else None)
+    shell = take(control, "shell_formulation")
+    if shell is None and solver is not None:
+        shell = take(solver, "shell_formulation")
     analysis = control.child("analysis")
     if analysis is not None:
         analysis.text = analysis.text.strip().upper().replace("STEADY_STATE", "STEADY-STATE")
@@ -302,7 +318,9 @@ def walk(tag: Tag) -> list[Tag]:
 def sets_down(mesh: Tag, notes: list[str]) -> dict[str, str]:
     """Returns new names of references to part lists."""
     used = {c.get("name") or "" for c in mesh}
-    elements = {c.get("name") or "": listed(c) for c in mesh.all("Elements")}
+    elements: dict[str, list[str]] = {}
+    if mesh.child("PartList") is not None:
+        elements = {c.get("name") or "": listed(c) for c in mesh.all("Elements")}
     references: dict[str, str] = {}
     for s in list(mesh):
         if s.name in ("NodeSet", "ElementSet"):
@@ -401,9 +419,9 @@ def fix_down(bc: Tag, group: dofs.Group, notes: list[str]) -> bool:
     if not group.named:
         own = list(group.dofs)
     elif group.flag(group.dofs[0]) == "c_dof":
-        own = [w for w in text(bc, "c_dof").replace(",", " ").split()]
+        own = text(bc, "c_dof").replace(",", " ").split()
     else:
-        own = [d for d in group.dofs if is_true(text(bc, group.flag(d), "0"))]
+        own = [d for d in group.dofs if is_true(text(bc, f"{d}_dof", "0"))]
     known = {group.flag(d) for d in group.dofs}
     notes += [f'<bc type="{group.fixed}"><{c.name}>: not said in version 3.0' for c in bc if c.name not in known]
     bc.attrs["type"] = "fix"

@@ -7,11 +7,31 @@ from pathlib import Path
 
 from febkit.model import Model
 
+from . import convert
+from .document import Document
 from .serialize import document_bytes
 from .tree import tree
 
 
-def write(model: Model, path: str | PathLike[str], version: str = "4.0") -> list[str]:
+def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]]:
+    """The file's bytes, and what the version asked for cannot say.
+
+    An untouched model written in its own version gives back the bytes it was read from.
+    """
+    version = version or (model.version if model.document is not None else "4.0")
+    doc = model.document
+    if isinstance(doc, Document) and version == model.version and doc.baseline is model:
+        return doc.data, []
     root = tree(model)
-    Path(path).write_bytes(document_bytes(root))
-    return []
+    notes = convert.down(root, version)
+    return document_bytes(root), notes
+
+
+def write(model: Model, path: str | PathLike[str], version: str | None = None) -> list[str]:
+    """Writes a .feb file of version "4.0", "3.0", "2.5", "2.0" or "1.2" (default: the model's own).
+
+    Returns a line for each thing that the version cannot say. Raises InputError for an unknown version.
+    """
+    data, notes = to_bytes(model, version)
+    Path(path).write_bytes(data)
+    return notes
