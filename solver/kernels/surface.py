@@ -196,12 +196,12 @@ def flow_stiffness(x, v, conn, N, dN, w, q, mixture, follower, dt, K):
 
 
 @kernel
-def add_vectors(conn, f, R, first):
-    """R (node, column) += facet vectors f (f, n, 3) in the columns first, first + 1, first + 2."""
+def add_vectors(conn, f, R):
+    """R (node, column) += facet vectors f (f, n, 3) in the first three columns."""
     for e in range(conn.shape[0]):
         for a in range(conn.shape[1]):
             for i in range(3):
-                R[conn[e, a], first + i] += f[e, a, i]
+                R[conn[e, a], i] += f[e, a, i]
 
 
 @kernel

@@ -29,9 +29,8 @@ Number = Value | float
 Vector = Sequence[Number]  # three numbers, each a value
 Matrices = list[tuple[Floats, Ints, Ints]]
 
-#: columns of nodal arrays; those of the bottom (back) faces of shells come after the others
-COLUMN = {"x": 0, "y": 1, "z": 2, "p": 3, "sx": 4, "sy": 5, "sz": 6, "q": 7}
-BOTTOM = 4
+COLUMN = {"x": 0, "y": 1, "z": 2, "p": 3}  # columns of nodal arrays
+PRESSURE = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,9 +95,10 @@ def as_vector(v: Vector) -> tuple[Value, ...]:
 
 @dataclass(eq=False)
 class SurfaceLoad:
-    """A load on facets. ``shell_bottom`` puts it on the bottom faces of shells, whose normals point inward.
+    """A load on facets.
 
-    There, positions are ``state.extra["bottom"]`` (node, 3) plus the columns of the bottom faces.
+    ``shell_bottom`` says that the facets are the bottom faces of shells (their nodes those of
+    :mod:`..shells`), numbered like the top faces, so that their normals point into the shell.
     """
 
     surface: tuple[Patch, ...]
@@ -125,27 +125,20 @@ class SurfaceLoad:
         return [p.conn for p in self.surface] if self.tangent else []
 
     @property
-    def first(self) -> int:
-        """The first column of the side the load is on."""
-        return BOTTOM if self.shell_bottom else 0
-
-    @property
     def sign(self) -> float:
         return -1.0 if self.shell_bottom else 1.0
 
     def positions(self, state: State, reference: bool = False) -> Floats:
-        """Nodal positions (node, 3) of the side the load is on."""
-        X = state.extra["bottom"] if self.shell_bottom else state.X
-        return X if reference else X + state.d[:, self.first : self.first + 3]
+        """Nodal positions (node, 3)."""
+        return state.X if reference else state.X + state.d[:, :3]
 
     def pressure_of(self, state: State) -> Floats | None:
         """Nodal fluid pressure (node,), or None where the model has none."""
-        column = self.first + 3
-        return state.d[:, column] if state.d.shape[1] > column else None
+        return state.d[:, PRESSURE] if state.d.shape[1] > PRESSURE else None
 
     def add(self, patch: Patch, f: Floats, R: Floats) -> None:
         """Add facet forces f (f, n, 3) to R."""
-        add_vectors(patch.conn, f, R, self.first)
+        add_vectors(patch.conn, f, R)
 
     def matrices(self, patch: Patch, fields: int = 3) -> tuple[Floats, Ints, Ints]:
         """Zero matrices of a patch with their unknowns, component by component.
@@ -153,7 +146,7 @@ class SurfaceLoad:
         ``fields``: 3 for the displacements, 4 for these and the pressure.
         """
         n = patch.conn.shape[1]
-        columns = np.repeat(np.arange(self.first, self.first + fields), n)
+        columns = np.repeat(np.arange(fields), n)
         return np.zeros((len(patch.conn), fields * n, fields * n)), np.tile(patch.conn, (1, fields)), columns
 
     def residual(self, state: State, R: Floats) -> None:

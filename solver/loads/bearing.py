@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..kernels.surface import areas, normal_force, normal_stiffness, normals
 from . import register
-from .base import Floats, Matrices, Number, Patch, SurfaceLoad, scalar
+from .base import Floats, Matrices, Number, Patch, SurfaceLoad, Vector, scalar, vector
 
 NEARLY_ZERO = 1e-3  # of the quadric's largest eigenvalue
 
@@ -40,17 +40,19 @@ if TYPE_CHECKING:
 class Bearing(SurfaceLoad):
     """Pressure scale |force| c^k / sum(A c^(k+1)) on facets with c = cos(angle to the force) > 0.
 
-    k = 1 for the "sine" profile, 2 for the "parabolic" one; the part of the force along the axis is left
-    out. Normals follow the motion unless ``linear``; areas are those of the reference.
+    k = 1 for the sine profile (FEBio's number 0), 2 for the parabolic one (1). The part of the force
+    along the axis is left out. Normals follow the motion unless ``linear``; areas are the reference's.
     FEBio User Manual, "Bearing Load".
     """
 
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    force: Vector = (0.0, 0.0, 0.0)
     scale: Number = 1.0
-    profile: Literal["sine", "parabolic"] = "sine"
+    profile: int = 0
     linear: bool = False
     symmetric_stiffness: bool = True
-    parameters = ("scale",)
+    parameters = ("force", "scale")
+    vectors = ("force",)
+    _axis: Floats | None = field(default=None, init=False, repr=False)
 
     @property
     def symmetric(self) -> bool:
@@ -60,18 +62,21 @@ class Bearing(SurfaceLoad):
     def tangent(self) -> bool:
         return not self.linear
 
-    def _direction(self, state: State) -> Floats:
+    def _direction(self, state: State, force: Floats) -> Floats:
         """Direction of the force across the axis."""
-        X = self.positions(state, reference=True)
-        nodes = np.unique(np.concatenate([p.conn.ravel() for p in self.surface]))
-        axis = cylinder_axis(X[nodes])
-        across = np.asarray(self.force) - axis * (axis @ np.asarray(self.force)) / (axis @ axis)
-        return np.asarray(across / np.linalg.norm(across))
+        if self._axis is None:
+            nodes = np.unique(np.concatenate([p.conn.ravel() for p in self.surface]))
+            self._axis = cylinder_axis(self.positions(state, reference=True)[nodes])
+        axis = self._axis
+        across = force - axis * (axis @ force) / (axis @ axis)
+        size = np.linalg.norm(across)
+        return np.asarray(across / size if size > 0 else across)
 
     def _pressures(self, state: State) -> list[tuple[Patch, Floats]]:
         """Traction along the normal at the points of each patch."""
         X, x = self.positions(state, reference=True), self.positions(state, self.linear)
-        k, direction, total = {"sine": 1, "parabolic": 2}[self.profile], self._direction(state), 0.0
+        force = vector(self.force, state.time, X[:1], np.zeros(1, np.int64))[0]
+        k, direction, total = self.profile + 1, self._direction(state, force), 0.0
         cosines = []
         for p in self.surface:
             n, A = np.empty((len(p.conn), 3)), np.empty(len(p.conn))
@@ -81,7 +86,7 @@ class Bearing(SurfaceLoad):
             c = np.maximum(-n @ direction, 0.0)
             total += float(A @ c ** (k + 1))
             cosines.append(c)
-        unit = float(np.linalg.norm(self.force)) / total
+        unit = float(np.linalg.norm(force)) / total if total > 0 else 0.0
         return [
             (p, -self.sign * unit * scalar(self.scale, state.time, p) * np.repeat(c**k, p.element.npoints))
             for p, c in zip(self.surface, cosines, strict=True)

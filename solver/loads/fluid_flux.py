@@ -9,7 +9,7 @@ import numpy as np
 
 from ..kernels.surface import add_scalars, flow, flow_stiffness
 from . import register
-from .base import Floats, Matrices, Number, SurfaceLoad, scalar
+from .base import PRESSURE, Floats, Matrices, Number, SurfaceLoad, scalar
 
 if TYPE_CHECKING:
     from ..state import State
@@ -41,21 +41,18 @@ class FluidFlux(SurfaceLoad):
     def _moves(self) -> bool:
         return self.mixture and not self.steady
 
-    def _velocity(self, state: State) -> Floats:
-        return state.extra["bottom velocity"] if self.shell_bottom and self._moves else state.velocity
-
     def residual(self, state: State, R: Floats) -> None:
         x = self.positions(state, self.linear)
         for p in self.surface:
             f = np.zeros(p.conn.shape)
             q = self.sign * scalar(self.flux, state.time, p)
-            flow(x, self._velocity(state), *p.geometry, q, self._moves, f)
-            add_scalars(p.conn, state.dt * f, R, self.first + 3)
+            flow(x, state.velocity, *p.geometry, q, self._moves, f)
+            add_scalars(p.conn, state.dt * f, R, PRESSURE)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         if not self.tangent:
             return []
-        x, v, out = self.positions(state, self.linear), self._velocity(state), []
+        x, v, out = self.positions(state, self.linear), state.velocity, []
         for p in self.surface:
             K, nodes, columns = self.matrices(p, 4)
             q = self.sign * scalar(self.flux, state.time, p)

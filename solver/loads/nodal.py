@@ -9,7 +9,7 @@ import numpy as np
 
 from ..values import as_value
 from . import register
-from .base import BOTTOM, COLUMN, Floats, Ints, Matrices, Number, Vector, as_vector, vector
+from .base import COLUMN, PRESSURE, Floats, Ints, Matrices, Number, Vector, as_vector, vector
 
 if TYPE_CHECKING:
     from ..state import State
@@ -19,25 +19,26 @@ if TYPE_CHECKING:
 class NodalLoad:
     """A load at nodes; ``X`` (n, 3) their reference positions. A value's map has one number per node.
 
-    ``relative`` adds the load to the force on the nodes when the load began, see :meth:`begin`.
+    ``relative`` adds the load to the force that acted on the nodes as the load began.
     """
 
     nodes: Ints
     X: Floats
     relative: bool = field(default=False, kw_only=True)
-    shell_bottom: bool = field(default=False, kw_only=True)
     symmetric: ClassVar[bool] = True
     _start: Floats | None = field(default=None, init=False, repr=False)
 
     @property
     def columns(self) -> list[int]:
         """Columns of the nodal arrays the load is in."""
-        first = BOTTOM if self.shell_bottom else 0
-        return [first, first + 1, first + 2]
+        return [0, 1, 2]
 
-    def begin(self, force: Floats) -> None:
-        """Take the nodal forces (node, column) that stood against the load before it began."""
-        self._start = force[self.nodes][:, self.columns]
+    def begin_step(self, state: State) -> None:
+        """As the load begins, take the forces that hold the nodes: the internal force (node, column)."""
+        if self._start is None:
+            held = np.zeros((len(self.nodes), 4))
+            held[:, : state.reaction.shape[1]] = state.reaction[self.nodes]
+            self._start = held[:, self.columns]
 
     def cliques(self) -> list[Ints]:
         return []
@@ -78,7 +79,7 @@ class NodalForce(NodalLoad):
 
 @dataclass(eq=False)
 class NodalDofLoad(NodalLoad):
-    """A load ``scale`` on one unknown: x, y, z, p (a volume of fluid), sx, sy, sz or q."""
+    """A load ``scale`` on one unknown: x, y, z or p (a volume of fluid)."""
 
     dof: str = "x"
     scale: Number = 0.0
@@ -105,7 +106,7 @@ class NodalFluidFlux(NodalLoad):
 
     @property
     def columns(self) -> list[int]:
-        return [COLUMN["p"]]
+        return [PRESSURE]
 
     def values(self, state: State) -> Floats:
         return state.dt * self._scalar(self.value, state.time)
