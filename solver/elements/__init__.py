@@ -15,6 +15,7 @@ _shapes: dict[str, Shape] = {}
 VOLUMES = ("hex8", "tet4", "penta6", "pyra5", "hex20", "tet10", "hex27", "tet15", "penta15", "pyra13", "tet5")
 FACETS = ("quad4", "tri3", "quad8", "tri6", "quad9", "tri7")
 LINES = ("line2", "line3")
+SHELLS = ("shell_quad4", "shell_quad8", "shell_tri3", "shell_tri6")
 
 
 def register(shape: Shape) -> None:
@@ -24,7 +25,16 @@ def register(shape: Shape) -> None:
 
 def known(name: str) -> bool:
     """True where there is an element of this name."""
-    return name in VOLUMES + FACETS + LINES
+    return name in VOLUMES + FACETS + LINES + SHELLS
+
+
+def shape(name: str) -> Shape:
+    """The table of an element, read from its file when first asked for."""
+    if name not in _shapes:
+        if not known(name):
+            raise KeyError(f"no element is called {name}")
+        import_module(f"{__name__}.{name}")
+    return _shapes[name]
 
 
 @cache
@@ -33,11 +43,7 @@ def get(name: str, rule: str | None = None) -> Element:
 
     Raises KeyError where there is no such element or rule.
     """
-    if name not in _shapes:
-        if not known(name):
-            raise KeyError(f"no element is called {name}")
-        import_module(f"{__name__}.{name}")
-    return _shapes[name].element(rule)
+    return shape(name).element(rule)
 
 
 def from_spec(spec: str) -> tuple[str, str, dict[str, str]]:

@@ -19,9 +19,11 @@ Rule = tuple[Floats, Floats]
 
 # degree of the polynomials integrated exactly (in each direction for products)
 DEGREE = {
-    "line1": 1, "line2": 3, "line3": 5, "quad4": 3, "quad9": 5, "hex1": 1, "hex6": 3, "hex8": 3, "hex27": 5,
+    "line1": 1, "line2": 3, "line3": 5, "quad4": 3, "quad9": 5, "hex1": 1, "hex6": 3, "hex8": 3, "hex12": 3, "hex18": 3,
+    "hex27": 5,
     "tri1": 1, "tri3": 2, "tri4": 3, "tri7": 5, "tet1": 1, "tet4": 2, "tet8": 3, "tet11": 4, "tet15": 5,
-    "penta6": 2, "penta8": 3, "penta21": 5,
+    "penta6": 2, "penta8": 3, "penta14": 3,
+    "penta21": 5,
 }
 
 
@@ -54,11 +56,13 @@ def _hex(n: int) -> Rule:
     if n == 6:
         points = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], dtype=float)
         return points, np.full(6, 8 / 6)
-    return _times(_quad({1: 1, 8: 4, 27: 9}[n]), _line({1: 1, 8: 2, 27: 3}[n]))
+    plane, height = {1: (1, 1), 8: (4, 2), 12: (4, 3), 18: (9, 2), 27: (9, 3)}[n]
+    return _times(_quad(plane), _line(height))
 
 
 def _penta(n: int) -> Rule:
-    return _times(_tri({6: 3, 8: 4, 21: 7}[n]), _line({6: 2, 8: 2, 21: 3}[n]))
+    plane, height = {6: (3, 2), 8: (4, 2), 14: (7, 2), 21: (7, 3)}[n]
+    return _times(_tri(plane), _line(height))
 
 
 def _times(base: Rule, height: Rule) -> Rule:

@@ -11,15 +11,17 @@ import pytest
 from febkit.solver import elements
 from febkit.solver.elements.rules import DEGREE, rule
 
-ALL = [*elements.VOLUMES, *elements.FACETS, *elements.LINES]
+ALL = [*elements.VOLUMES, *elements.FACETS, *elements.LINES, *elements.SHELLS]
 EVERY_RULE = [(n, r) for n in ALL for r in elements.get(n).rules]
 RNG = np.random.default_rng(11)
 
 
 def inside(e: elements.Element, n: int = 7) -> np.ndarray:
     """Random natural coordinates inside the element."""
-    w = RNG.dirichlet(np.ones(e.corners), n)
-    return w @ e.natural[: e.corners]
+    shell = e.name.startswith("shell")  # corners of the bottom come first, of the top after all bottom nodes
+    half = e.corners // 2
+    at = [*range(half), *range(e.nodes // 2, e.nodes // 2 + half)] if shell else [*range(e.corners)]
+    return RNG.dirichlet(np.ones(e.corners), n) @ e.natural[at]
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -136,7 +138,7 @@ def test_facets_close_and_point_outward(name: str) -> None:
     assert e.weights @ J == pytest.approx(facet_flux(e, X), rel=tolerance)
 
 
-@pytest.mark.parametrize("name", elements.VOLUMES)
+@pytest.mark.parametrize("name", [*elements.VOLUMES, *elements.SHELLS])
 def test_facet_nodes_carry_the_trace(name: str) -> None:
     """On a facet the element's functions are the facet's own, and all others vanish."""
     e = elements.get(name)
@@ -154,12 +156,25 @@ def test_facet_nodes_carry_the_trace(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_edges(name: str) -> None:
     e = elements.get(name)
-    count = {"hex": 12, "tet": 6, "penta": 9, "pyra": 8, "quad": 4, "tri": 3, "line": 1}
+    count = {"shell_quad": 8, "shell_tri": 6, "hex": 12, "tet": 6, "penta": 9, "pyra": 8, "quad": 4, "tri": 3, "line": 1}
     assert len(e.edges) == count[name.rstrip("0123456789")]
     for edge in e.edges:
         if len(edge) == 3:
             x = straight(e)
             np.testing.assert_allclose(x[edge[2]], x[list(edge[:2])].mean(axis=0))
+
+
+@pytest.mark.parametrize("name", elements.SHELLS)
+def test_shells_are_solids_between_two_facets(name: str) -> None:
+    """A flat shell of a facet's area times its thickness; the bottom facet is the top's mirror image."""
+    e, f = elements.get(name), elements.get(name.removeprefix("shell_"))
+    X = e.natural * [1.0, 1.0, 0.05]
+    J = np.linalg.det(np.einsum("gni,nj->gji", e.dN, X))
+    assert e.weights @ J == pytest.approx(f.weights.sum() * 0.1)
+    (_, top), (_, bottom) = e.facets
+    assert set(e.natural[list(top), 2]) == {1.0} and set(e.natural[list(bottom), 2]) == {-1.0}
+    area = [np.cross(*np.einsum("gni,nj->igj", f.dN, X[list(k)])) for k in (top, bottom)]
+    assert (area[0][:, 2] > 0).all() and (area[1][:, 2] < 0).all()
 
 
 def test_unknown_names_are_refused() -> None:
