@@ -51,7 +51,8 @@ def test_thickness_and_normals_are_averaged() -> None:
 def test_solids_hang_on_the_side_they_are_on() -> None:
     """A brick below a shell takes its back nodes, one above keeps the mesh's."""
     e = elements.get("hex8")
-    below, above = 0.5 * (e.natural + [1, 1, -1]), 0.5 * (e.natural + [1, 1, 1])
+    unit = 0.5 * (1.0 + e.natural)
+    below, above = unit - np.array([0, 0, 1]), unit
     X = np.vstack([below, above[4:]])
     low, high = np.arange(8)[None], np.array([[4, 5, 6, 7, 8, 9, 10, 11]])
     shell = Shell("quad4", np.array([[4, 5, 6, 7]]), np.full((1, 4), 0.1))
