@@ -73,7 +73,7 @@ def read(path: str | os.PathLike[str]) -> Database:
 
 def _words(path: Path, where: Where) -> tuple[np.ndarray, str]:
     try:
-        raw = np.memmap(path, np.uint8, "r")
+        raw: np.ndarray = np.memmap(path, np.uint8, "r")
     except (OSError, ValueError) as e:
         raise InputError(f"cannot read the file: {e}", where) from None
     raw = raw[: len(raw) // 4 * 4]
@@ -97,7 +97,9 @@ def _records(path: Path, first: np.ndarray, n: int, order: str) -> list[np.ndarr
         if len(last) or not follow.is_file():
             return out
         size = follow.stat().st_size // 4
-        values = np.memmap(follow, order + "f4", "r", shape=(size,)) if size else np.empty(0, np.float32)
+        values = np.empty(0, np.float32)
+        if size:
+            values = np.memmap(follow, order + "f4", "r", shape=(size,))
 
 
 Part = tuple[Any, int, int, int, Any]  # rows of the array, first word, rows, words a row, which of them
