@@ -1,0 +1,255 @@
+"""``febkit boundary``: hand a tissue's motion and pressure to a cell model's surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.coupling import Field, Handoff
+    from febkit.model import Model
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What was asked for about the hand-off itself."""
+
+    order: int | None
+    fluid_order: int | None
+    recovery: str | None
+    overlay: bool
+    rigid: str
+    origin: str
+    node_set: str | None
+    form: str
+    version: str
+    section: bool
+    must_points: bool
+    pressure: bool
+
+
+@click.command("boundary", context_settings={"max_content_width": 110})
+@click.argument("source", type=FILE)
+@click.argument("cell", type=FILE, required=False)
+@click.option("--at", multiple=True, metavar="X,Y,Z", help="Point of the tissue; may be repeated.")
+@click.option("--points", type=FILE, help="CSV file of points: columns x, y, z and, if you like, name.")
+@click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
+@click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: 1].")
+@click.option("--recovery", type=click.Choice(["polynomial", "patches", "element"]), help="How derivatives are "
+              "found: a least-squares polynomial over the patch around the point [default]; superconvergent patch "
+              "recovery; or the element's own (no pure second derivatives in a linear brick).")
+@click.option("--overlay", is_flag=True, help="Interpolate the tissue's field at every node, without a series.")
+@click.option("--rigid", type=click.Choice(["drop", "keep", "drop-all"]), default="drop", show_default=True,
+              help="The point's own displacement: dropped, kept, or dropped with its rotation.")
+@click.option("--origin", default="0,0,0", show_default=True, metavar="X,Y,Z|centre",
+              help="Place in the cell model that stands for the point.")
+@click.option("--set", "node_set", help="Node set (or @surface:NAME) to drive [default: the outer surface].")
+@click.option("--times", metavar="T,T,...", help="Times to sample the tissue at [default: its own].")
+@click.option("--form", type=click.Choice(["auto", "math", "parameters", "curves"]), default="auto",
+              show_default=True, help="Formulas, formulas that refer to load curves, or a curve per node and dof.")
+@click.option("--version", "version", type=click.Choice(["4.0", "3.0", "2.5"]), default="4.0", show_default=True,
+              help="Version of .feb to write.")
+@click.option("--section", is_flag=True, help="Write the boundary sections alone, to be included.")
+@click.option("--must-points/--no-must-points", default=True, show_default=True,
+              help="Make the time stepper meet the tissue's times.")
+@click.option("--pressure/--no-pressure", default=True, show_default=True, help="Prescribe the fluid pressure.")
+@click.option("--dataset", type=FILE, help="Also save F, G, p, ... at the points as NetCDF.")
+@click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put before "
+              "its ending [default: CELL_driven.feb].")
+def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path | None, times: str | None,
+            dataset: Path | None, output: Path | None, **rest: Any) -> None:
+    """Drive the surface of CELL, a .feb model, by SOURCE: a solved tissue (.xplt or .nc) or F(t), p(t) (.csv, .nc).
+
+    \b
+    febkit boundary tissue.xplt cell.feb --at 0,0,0 --order 2 --fluid-order 1 -o driven.feb
+    febkit boundary tissue.xplt cell.feb --points cells.csv --dataset series.nc
+    febkit boundary experiment.csv cell.feb -o driven.feb
+    """
+    from febkit.model import InputError
+
+    options = Options(**rest)
+    if cell is None and dataset is None:
+        raise InputError("nothing to write: give a cell model, or --dataset for F, G, p alone")
+    tissue, driving = _driving(source, at, points, times, options)
+    if dataset is not None:
+        if driving is None:
+            raise InputError("--overlay makes no series: leave out --dataset")
+        driving.to_netcdf(dataset)
+        click.echo(f"wrote {dataset}")
+    if cell is not None:
+        _drive_all(source, cell, tissue, driving, at, points, options, output)
+
+
+def _drive_all(source: Path, cell: Path, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
+               points: Path | None, options: Options, output: Path | None) -> None:
+    from febkit.feb import read
+
+    model = read(cell)
+    places, names = _places(at, points) if driving is None else (None, [str(n) for n in driving["point"].values])
+    target = output or cell.with_name(f"{cell.stem}_driven.feb")
+    for k, name in enumerate(names):
+        path = target if len(names) == 1 else target.with_name(f"{target.stem}_{_safe(name)}{target.suffix}")
+        if len(names) > 1:
+            click.echo(f"point {name}:")
+        place = None if places is None else places[k]
+        _drive_one(model, tissue, driving, k, place, options, path)
+
+
+def _safe(name: str) -> str:
+    return "".join(c if c.isalnum() or c in "-_." else "_" for c in name)
+
+
+def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str | None,
+             options: Options) -> tuple[Field | None, xr.Dataset | None]:
+    """The tissue, where SOURCE is one, and the series (None for an overlay)."""
+    from febkit.coupling import from_dataset, read_driving, series
+    from febkit.model import InputError
+
+    if not source.is_file():
+        raise InputError(f"{source}: there is no such file")
+    if _holds_series(source):
+        given = {"--at": at, "--points": points, "--recovery": options.recovery, "--times": times,
+                 "--overlay": options.overlay}
+        wrong = [k for k, v in given.items() if v]
+        if wrong:
+            raise InputError(f"{source} holds F(t) already: {', '.join(wrong)} mean(s) nothing here")
+        return None, read_driving(source)
+    from febkit.results import open as open_results
+
+    with open_results(source) as ds:
+        field = from_dataset(ds)
+    field = field if field.source else _named(field, source)
+    if times is not None:
+        field = field.at(_numbers(times, "--times"))
+    places, names = _places(at, points)
+    if options.overlay:
+        return field, None
+    top = 3  # one order more than handed off, where there is one, estimates what is left out
+    return field, series(field, places, order=top, recovery=options.recovery or "polynomial", names=names)
+
+
+def _named(field: Field, source: Path) -> Field:
+    from dataclasses import replace
+
+    return replace(field, source=str(source))
+
+
+def _holds_series(source: Path) -> bool:
+    """True where the file is driving data and not a result."""
+    if source.suffix.lower() in (".csv", ".txt", ".tsv"):
+        return True
+    if source.suffix.lower() not in (".nc", ".nc4", ".h5", ".cdf"):
+        return False
+    import xarray as xr
+
+    from febkit.model import InputError
+
+    try:
+        with xr.open_dataset(source) as ds:
+            return "F" in ds
+    except (OSError, ValueError) as e:
+        raise InputError(f"{source}: not a NetCDF file that can be read ({e})") from None
+
+
+def _places(at: tuple[str, ...], points: Path | None) -> tuple[Any, list[str]]:
+    import numpy as np
+
+    from febkit.coupling import read_points
+    from febkit.model import InputError
+
+    rows, names = [], []
+    for k, text in enumerate(at):
+        rows.append(_numbers(text, "--at", 3))
+        names.append(str(k))
+    if points is not None:
+        more, labels = read_points(points)
+        rows += list(more)
+        names += labels
+    if not rows:
+        raise InputError("which point of the tissue? --at X,Y,Z or --points FILE")
+    if len(set(names)) < len(names):
+        names = [str(k) for k in range(len(names))]
+    return np.array(rows), names
+
+
+def _numbers(text: str, option: str, count: int | None = None) -> Any:
+    import numpy as np
+
+    from febkit.model import InputError
+
+    try:
+        v = np.array([float(x) for x in text.replace(",", " ").split()])
+    except ValueError:
+        raise InputError(f"{option} {text}: numbers with commas between are wanted") from None
+    if not np.isfinite(v).all() or not len(v) or (count is not None and len(v) != count):
+        raise InputError(f"{option} {text}: {count or 'some'} finite numbers are wanted")
+    return v
+
+
+def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,
+               options: Options, path: Path) -> None:
+    """Writes one driven model or section, and says what was found."""
+    from febkit.coupling import check, drive, write, write_section
+
+    nodes = _nodes(model, options.node_set)
+    X = model.mesh.X[nodes]
+    given = _handoff(X, tissue, driving, point, place, options)
+    if not options.pressure:
+        given = given.without_pressure()
+    found = check(given, driving, point)
+    for line in found.lines:
+        click.echo(f"  {line}")
+    for problem in found.problems:
+        click.echo(f"  warning: {problem}", err=True)
+    driven = drive(model, given, nodes, node_set=options.node_set, form=options.form, version=options.version,
+                   must_points=options.must_points)
+    for line in driven.said:
+        click.echo(f"  {line}")
+    if options.section:
+        write_section(driven, path, options.version)
+    else:
+        for lost in write(driven, path, options.version) or ():
+            click.echo(f"  warning: {lost}", err=True)
+    click.echo(f"wrote {path} ({options.version}, {driven.form})")
+
+
+def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,
+             options: Options) -> Handoff:
+    from febkit.coupling import handoff, overlay
+    from febkit.coupling.taylor import orders
+    from febkit.model import InputError
+
+    low, high = X.min(axis=0), X.max(axis=0)
+    if options.origin.strip().lower() in ("centre", "center"):
+        origin = 0.5 * (low + high)
+    else:
+        origin = _numbers(options.origin, "--origin", 3)
+        span = (high - low).max()
+        if ((origin < low - 0.5 * span) | (origin > high + 0.5 * span)).any():
+            raise InputError(f"the origin {options.origin} lies far outside the cell model, whose surface spans {low} to "
+                             f"{high}: say --origin centre, or where the point lies in it")
+    if driving is None:
+        assert tissue is not None
+        return overlay(tissue, X, place, rigid=options.rigid, origin=origin)
+    solid, fluid = orders(driving)
+    order = min(2, solid) if options.order is None else options.order
+    flow = max(min(1, fluid), 0) if options.fluid_order is None else options.fluid_order
+    return handoff(driving, X, point=point, order=order, fluid_order=flow, rigid=options.rigid, origin=origin)
+
+
+def _nodes(model: Model, node_set: str | None) -> Any:
+    import numpy as np
+
+    from febkit.coupling import surface_nodes
+    from febkit.model.sets import node_indices
+
+    if node_set is None:
+        return surface_nodes(model.mesh)
+    return np.asarray(node_indices(model.mesh, node_set))

@@ -1,0 +1,154 @@
+"""Is a hand-off sound? detF, the sign of the mapped volume, sizes, and what the series leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .derivatives import COUNT, TERMS, monomials
+from .histories import Handoff, evaluate
+from .taylor import ELEMENT_NOTE, coefficients
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """Findings about one hand-off; ``problems`` are those that make a cell model fail or mean little."""
+
+    det_F: tuple[float, float] | None  # smallest, largest over time at the point
+    det_map: tuple[float, float] | None  # the same of dx/dX over all surface nodes and times
+    inverted_at: float | None  # first time at which the map turns inside out
+    size_ratio: float | None  # longest edge of the cell model's box / edge of the tissue's element
+    remainder_u: float | None  # estimated largest error of u on the surface / largest |u| there
+    remainder_p: float | None  # the same of p, by the largest |p|
+    lines: tuple[str, ...]
+    problems: tuple[str, ...]
+
+
+def check(given: Handoff, driving: xr.Dataset | None = None, point: int = 0) -> Checks:
+    """Checks of a hand-off; ``driving`` (as handed to :func:`.histories.handoff`) allows the remainder estimate.
+
+    The remainder is the largest value on the surface of the first order left out, where the driving data
+    hold it; for order 3 the last term times the ratio of the last two. It is an estimate, not a bound.
+    """
+    det_F = det_map = at = None
+    problems: list[str] = []
+    lines: list[str] = [f"hand-off: {given.text}; {len(given.times)} times {given.times[0]:g} to {given.times[-1]:g}; "
+                        f"{len(given.X)} surface nodes"]
+    if given.motion is not None:
+        det_F, det_map, at = _volumes(given)
+        lines.append(f"detF at the point: {det_F[0]:.4g} to {det_F[1]:.4g}")
+        lines.append(f"det dx/dX over the surface: {det_map[0]:.4g} to {det_map[1]:.4g}")
+        if at is not None:
+            problems.append(f"the mapped volume turns inside out at t = {at:g}: take a lower order, a smaller "
+                            "cell model, or another point")
+    ratio = _size_ratio(given, driving, point)
+    if ratio is not None:
+        lines.append(f"cell model / tissue element: {ratio:.3g}")
+        if ratio > 2:
+            problems.append(f"the cell model is {ratio:.2g} times as large as the tissue's element: overlay may suit better")
+    rest_u, rest_p = remainder(given, driving, point)
+    if rest_u is not None:
+        lines.append(f"first order left out, displacement: {100 * rest_u:.3g} % of the largest on the surface")
+    if rest_p is not None:
+        lines.append(f"first order left out, pressure: {100 * rest_p:.3g} % of the largest on the surface")
+    lines += _about_recovery(given, driving, point)
+    return Checks(det_F, det_map, at, ratio, rest_u, rest_p, tuple(lines), tuple(problems))
+
+
+def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> list[str]:
+    lines: list[str] = []
+    if driving is None or given.motion is None:
+        return lines
+    method = driving.attrs.get("recovery")
+    if method == "element" and max(given.motion.shape[1], 0 if given.fluid is None else given.fluid.shape[1]) > 4:
+        lines.append(ELEMENT_NOTE)
+    elif method:
+        lines.append(f"recovery: {method}")
+    if "terms_lost" in driving and int(driving["terms_lost"].values[point]):
+        lines.append(f"{int(driving['terms_lost'].values[point])} derivatives cannot be told from the elements around "
+                     "the point and are taken as 0")
+    return lines
+
+
+def gradient(coefficient: Floats, offset: Floats) -> Floats:
+    """d(series)/dX at offsets: (t, n, c, 3) of coefficients (t, terms, c)."""
+    terms = TERMS[:coefficient.shape[1]]
+    index = {t: k for k, t in enumerate(TERMS)}
+    out = []
+    lower = [t for t in terms if len(t) < len(terms[-1])]
+    basis = monomials(offset, tuple(lower))
+    for axis in range(3):
+        pick = [index[tuple(sorted((*t, axis)))] for t in lower]
+        out.append(np.matmul(basis[None], coefficient[:, pick]))
+    return np.stack(out, axis=-1)
+
+
+def _volumes(given: Handoff) -> tuple[tuple[float, float], tuple[float, float], float | None]:
+    assert given.motion is not None
+    F = given.motion[:, 1:4].swapaxes(1, 2) + np.eye(3)
+    det = np.linalg.det(F)
+    low, high, first = np.inf, -np.inf, None
+    step = max(1, 200_000 // max(len(given.X), 1))
+    for i in range(0, len(given.times), step):
+        d = np.linalg.det(gradient(given.motion[i:i + step], given.offset) + np.eye(3))
+        low, high = min(low, float(d.min())), max(high, float(d.max()))
+        turned = (d <= 0).any(axis=1)
+        if first is None and turned.any():
+            first = float(given.times[i + int(np.argmax(turned))])
+    return (float(det.min()), float(det.max())), (low, high), first
+
+
+def _size_ratio(given: Handoff, driving: xr.Dataset | None, point: int) -> float | None:
+    if driving is None or "element_size" not in driving:
+        return None
+    return float(np.ptp(given.X, axis=0).max() / driving["element_size"].values[point])
+
+
+def remainder(given: Handoff, driving: xr.Dataset | None, point: int) -> tuple[float | None, float | None]:
+    """Estimated share of the displacement and the pressure that the series leaves out."""
+    if driving is None or given.motion is None:
+        return None, None
+    n = COUNT.index(given.motion.shape[1])
+    k = None if given.fluid is None else COUNT.index(given.fluid.shape[1])
+    u = _left_out(given, driving, point, n, ("F", "G", "G3"), 0)
+    p = None if k is None else _left_out(given, driving, point, k, ("grad_p", "H", "H3"), 1)
+    return u, p
+
+
+def _left_out(given: Handoff, driving: xr.Dataset, point: int, order: int, names: tuple[str, ...],
+              which: int) -> float | None:
+    top = sum(1 for n in names if n in driving)
+    both = coefficients(driving, point, *((top, 0) if which == 0 else (1, top)))[which]
+    assert both is not None
+    both = both if which == 0 else both[..., None]
+    used = evaluate(both[:, :COUNT[order]] * _without_first(which, COUNT[order]), given.offset)
+    scale = float(np.abs(used).max())
+    if scale == 0.0:
+        return None
+    parts = [float(np.abs(_part(both, given.offset, m)).max()) for m in range(1, top + 1)]
+    if order < top:
+        return parts[order] / scale
+    if top >= 2 and parts[-2] > 0:
+        return parts[-1] * min(parts[-1] / parts[-2], 1.0) / scale
+    return None
+
+
+def _without_first(which: int, terms: int) -> Floats:
+    """Displacement counts without the point's own; pressure with."""
+    mask = np.ones((terms, 1))
+    mask[0] = float(which == 1)
+    return mask
+
+
+def _part(coefficient: Floats, offset: Floats, order: int) -> Floats:
+    """The terms of one order alone (t, n, c)."""
+    s = slice(COUNT[order - 1], COUNT[order])
+    return np.matmul(monomials(offset, TERMS[s])[None], coefficient[:, s])

@@ -1,0 +1,195 @@
+"""Taylor series of a tissue's motion and pressure at points: F, G, p, grad p, H at all times.
+
+x(X) = x0 + F X + 1/2 X G X + 1/6 G3 X X X, p(X) = p0 + grad p . X + 1/2 X H X + 1/6 H3 X X X, with X measured
+from the point; Sibole et al., Comput Methods Biomech Biomed Engin 16 (2013), eqs 1-9, and the third order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from febkit.model import InputError
+
+from .derivatives import COUNT, MAX_ORDER, apply, by_element, full, packed
+from .field import Field, from_dataset
+from .location import Location, locate, require_inside
+from .polynomial import by_polynomial
+from .superconvergent import by_patches
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from scipy.sparse import csr_array
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Chosen from the table that `febkit.coupling.accuracy` makes; see docs of that module for the numbers
+DEFAULT_RECOVERY = "polynomial"
+
+ELEMENT_NOTE = (
+    "element: the element's own derivatives. In a trilinear brick that is a parallelepiped the pure second "
+    "derivatives along its edges are zero whatever the field, and in a linear tetrahedron all second "
+    "derivatives are: choose a recovery for order 2 with linear elements."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """A way to get derivatives: ``rows(field, location, points, order)`` gives sparse rows and terms lost."""
+
+    name: str
+    text: str
+    rows: Callable[[Field, Location, Floats, int, bool], tuple[csr_array, Ints]]
+
+
+def _element(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+    return by_element(field, where, COUNT[order]), np.zeros(len(points), dtype=np.int64)
+
+
+def _polynomial(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+    return by_polynomial(field, where, points, order, own_part=own_part)
+
+
+def _patches(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+    return by_patches(field, where, order, own_part=own_part)
+
+
+RECOVERIES = {
+    r.name: r for r in (
+        Recovery("element", ELEMENT_NOTE, _element),
+        Recovery("polynomial", "polynomial: least squares through the nodal values of the patch of elements "
+                 "around the point, differentiated at the point.", _polynomial),
+        Recovery("patches", "patches: superconvergent patch recovery (Zienkiewicz & Zhu 1992), applied again "
+                 "for each higher derivative.", _patches),
+    )
+}
+
+
+def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER, recovery: str = DEFAULT_RECOVERY,
+           times: Any = None, names: Any = None, own_part: bool = True) -> xr.Dataset:
+    """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.
+
+    Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G``
+    (3, 3, 3), ``G3``; where the tissue has pressure ``p``, ``grad_p``, ``H``, ``H3``; and where each point
+    lies. ``recovery`` is a name of :data:`RECOVERIES`; ``times`` picks or interpolates times.
+
+    Raises InputError where a point lies outside the tissue, naming it by its coordinates.
+    """
+    field = tissue if isinstance(tissue, Field) else from_dataset(tissue)
+    if times is not None:
+        field = field.at(np.asarray(times, dtype=float))
+    points = np.atleast_2d(np.asarray(points, dtype=float))
+    method = _method(recovery, order)
+    where = locate(field, points)
+    require_inside(field, points, where)
+    operator, lost = method.rows(field, where, points, order, own_part)
+    values = apply(operator, field, COUNT[order])
+    if not np.isfinite(values[..., :3]).all():
+        raise InputError("the tissue's displacement is not a number around some of the points")
+    return _dataset(field, points, where, values, lost, order, method, names)
+
+
+def _method(recovery: str, order: int) -> Recovery:
+    if recovery not in RECOVERIES:
+        raise InputError(f'there is no recovery "{recovery}"; choose from {", ".join(RECOVERIES)}')
+    if not 1 <= order <= MAX_ORDER:
+        raise InputError(f"order must be 1, 2 or 3, not {order}")
+    return RECOVERIES[recovery]
+
+
+def element_size(field: Field, where: Location) -> Floats:
+    """Edge of the cube as large as the element that holds each point (m,)."""
+    from febkit.solver import elements
+
+    from .shapes import shape
+
+    out = np.zeros(len(where.block))
+    for k, b in enumerate(field.blocks):
+        mine = np.nonzero(where.block == k)[0]
+        if len(mine):
+            e = elements.get(b.type)
+            jac = np.einsum("pni,gnj->pgij", field.X[b.conn[where.element[mine]]], shape(b.type, e.points, 1))
+            out[mine] = np.cbrt(np.abs(np.linalg.det(jac)) @ e.weights)
+    return out
+
+
+def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost: Ints, order: int,
+             method: Recovery, names: Any) -> xr.Dataset:
+    import xarray as xr
+
+    from febkit import __version__
+
+    fields: dict[str, Any] = {"u": (("point", "time", "i"), values[..., 0, :3])}
+    axes: tuple[str, ...] = ()
+    for n in range(1, order + 1):
+        axes = (*axes, "JKL"[n - 1])
+        tensor = np.stack([full(values[..., c], n) for c in range(values.shape[-1])], axis=-1)
+        motion = np.moveaxis(tensor[..., :3], -1, 2)
+        if n == 1:
+            motion = motion + np.eye(3)
+        fields[("F", "G", "G3")[n - 1]] = (("point", "time", "i", *axes), motion)
+        if field.p is not None:
+            fields[("grad_p", "H", "H3")[n - 1]] = (("point", "time", *axes), tensor[..., 3])
+    if field.p is not None:
+        fields["p"] = (("point", "time"), values[..., 0, 3])
+    fields |= {
+        "X": (("point", "i"), points),
+        "element_id": (("point",), np.array([field.blocks[b].ids[e] for b, e in zip(where.block, where.element)])),
+        "natural": (("point", "axis"), where.r),
+        "sharing": (("point",), where.sharing, {"long_name": "elements that hold the point"}),
+        "element_size": (("point",), element_size(field, where)),
+        "terms_lost": (("point",), lost, {"long_name": "terms the patch could not resolve, taken as 0"}),
+    }
+    coords: dict[str, Any] = {"time": field.times, "point": np.arange(len(points)) if names is None else names,
+                              "i": list("xyz"), "J": list("xyz")[:3], "K": list("xyz"), "L": list("xyz")}
+    coords = {k: v for k, v in coords.items() if k in ("time", "point") or any(k in f[0] for f in fields.values())}
+    attrs = {
+        "title": "Taylor series of a tissue's motion and pressure", "order": order, "recovery": method.name,
+        "recovery_text": method.text, "source": field.source, "febkit_version": __version__,
+        "elements": ", ".join(f"{len(b.conn)} {b.type}" for b in field.blocks),
+        "formula": "x = x0 + F X + G XX/2 + G3 XXX/6; p = p0 + grad_p X + H XX/2 + H3 XXX/6; X from the point",
+    }
+    if field.units:
+        attrs["units_system"] = field.units
+    ds = xr.Dataset(fields, coords, attrs)
+    ds["time"].attrs["units"] = "s" if field.units in (None, "") else "time unit of the model"
+    return ds
+
+
+def coefficients(ds: xr.Dataset, point: int, order: int, fluid_order: int) -> tuple[Floats, Floats | None]:
+    """Packed coefficients at one point: displacement (t, terms, 3) and pressure (t, terms) or None.
+
+    The terms go with :func:`febkit.coupling.derivatives.monomials`; F counts as F - 1.
+    """
+    one = ds.isel(point=point)
+    t = one.sizes["time"]
+    u = np.zeros((t, COUNT[order], 3))
+    if "u" in one:
+        u[:, 0] = one["u"].values
+    for n, name in zip(range(1, order + 1), ("F", "G", "G3")):
+        if name not in one:
+            raise InputError(f'order {order} asked for, but the driving data hold no "{name}"')
+        tensor = one[name].values - (np.eye(3) if n == 1 else 0.0)
+        u[:, COUNT[n - 1]:COUNT[n]] = packed(tensor, n).swapaxes(1, 2)  # (t, i, terms) to (t, terms, i)
+    if "p" not in one:
+        return u, None
+    p = np.zeros((t, COUNT[fluid_order]))
+    p[:, 0] = one["p"].values
+    for n, name in zip(range(1, fluid_order + 1), ("grad_p", "H", "H3")):
+        if name not in one:
+            raise InputError(f'fluid order {fluid_order} asked for, but the driving data hold no "{name}"')
+        p[:, COUNT[n - 1]:COUNT[n]] = packed(one[name].values, n)
+    return u, p
+
+
+
+def orders(ds: xr.Dataset) -> tuple[int, int]:
+    """Highest orders that driving data hold: of the motion, and of the pressure (-1 without pressure)."""
+    motion = next((n for n, name in enumerate(("F", "G", "G3")) if name not in ds), 3)
+    fluid = next((n for n, name in enumerate(("grad_p", "H", "H3")) if name not in ds), 3)
+    return motion, fluid if "p" in ds else -1
