@@ -32,16 +32,18 @@ FILLS: dict[str, Ints] = {
 }
 
 
-def filled(planes: Floats, kind: str) -> tuple[Floats, Ints]:
-    """Nodes (node, 3) and elements (element, local) of a cube between these planes in x, y and z."""
-    n = len(planes) - 1
-    halves = np.empty(2 * n + 1)
-    halves[::2], halves[1::2] = planes, (planes[:-1] + planes[1:]) / 2.0
-    ids = node_lattice((2 * n, 2 * n, 2 * n))
-    at = np.stack(np.meshgrid(*[np.arange(0, 2 * n, 2)] * 3, indexing="ij"), axis=-1)
+def filled(planes: tuple[Floats, Floats, Floats], kind: str) -> tuple[Floats, Ints]:
+    """Nodes (node, 3) and elements (element, local) of a box between these planes in x, y and z."""
+    halves = []
+    for p in planes:
+        halves.append(np.empty(2 * len(p) - 1))
+        halves[-1][::2], halves[-1][1::2] = p, (p[:-1] + p[1:]) / 2.0
+    nx, ny, nz = (len(h) - 1 for h in halves)
+    ids = node_lattice((nx, ny, nz))
+    at = np.stack(np.meshgrid(*[np.arange(0, n, 2) for n in (nx, ny, nz)], indexing="ij"), axis=-1)
     corner = in_file_order(at)[:, None, None] + FILLS[kind]  # (cube, element, local, 3)
     conn = ids[tuple(np.moveaxis(corner, -1, 0))].reshape(-1, FILLS[kind].shape[1])
     used = np.zeros(ids.size, dtype=bool)
     used[conn] = True
     number = np.cumsum(used) - 1
-    return nodes_at(halves, halves, halves)[used], number[conn]
+    return nodes_at(*halves)[used], number[conn]

@@ -17,9 +17,10 @@ from .parts import Parts
 def tissue_cube(p: dict[str, Any]) -> Parts:
     """Build the cube from the template's parameters (see templates/tissue/template.toml)."""
     n = int(p["n"])
-    planes = tissue_planes(n, float(p["edge"]), float(p["centre"]), float(p["grading"]))
-    kind = str(p["element"])
-    X, conn = filled(planes, kind)
+    edge, centre, grading, kind = float(p["edge"]), float(p["centre"]), float(p["grading"]), str(p["element"])
+    side = tissue_planes(n, edge, centre, grading)
+    height = tissue_planes(int(p["vertical"]) or n, edge, centre, grading)
+    X, conn = filled((side, side, height), kind)
     return Parts(X, {str(p["part"]): (kind, conn)})
 
 

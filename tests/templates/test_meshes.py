@@ -22,7 +22,6 @@ from febkit.templates.quality import aspect, jacobians, judge, scaled_jacobian, 
 from febkit.templates.template import load
 from febkit.templates.tissue_cube import tissue_cube, tissue_planes
 
-
 UNIT_CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
                       [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 
@@ -68,6 +67,13 @@ def test_tissue_of_the_study() -> None:
     assert_conforming(mesh, 1.0)
 
 
+def test_tissue_with_more_elements_in_height() -> None:
+    mesh = tissue_cube(values("tissue", n=5, vertical=9))
+    assert mesh.elements == 5 * 5 * 9
+    assert_conforming(mesh, 1.0)
+    assert np.allclose(np.unique(mesh.X[:, 2]), tissue_planes(9, 1.0, 0.2))
+
+
 def test_graded_planes_keep_centre_and_ratio() -> None:
     x = tissue_planes(11, 1.0, 0.3, ratio=0.25)
     assert x[0] == -0.5 and x[-1] == 0.5
@@ -85,7 +91,7 @@ def test_tissue_refuses_what_cannot_be(n: int, centre: float) -> None:
 
 @pytest.mark.parametrize("kind", FILLS)
 def test_other_elements_fill_the_cube(kind: str) -> None:
-    X, conn = filled(tissue_planes(5, 1.0, 0.2), kind)
+    X, conn = filled((tissue_planes(5, 1.0, 0.2),) * 3, kind)
     assert volumes(X, kind, conn).sum() == pytest.approx(1.0)
     assert jacobians(X, kind, conn).min() > 0
     surface = select(between_parts([(kind, conn)], len(X)), np.array([0]))
@@ -98,7 +104,7 @@ def test_other_elements_fill_the_cube(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", [k for k in FACETS if k not in ("hex8", "tet4", "penta6")])
 def test_middle_nodes_of_facets_lie_in_the_middle(kind: str) -> None:
-    X, conn = filled(tissue_planes(1, 1.0, 0.0), kind)
+    X, conn = filled((tissue_planes(1, 1.0, 0.0),) * 3, kind)
     for local in FACETS[kind]:
         corners = 4 if len(local) > 6 else 3
         x = X[conn[0, list(local)]]

@@ -16,8 +16,8 @@ from febkit.templates.parameters import from_text
 from febkit.templates.skeleton import expand
 from febkit.templates.template import BUILT_IN, load
 
-TIMES = [0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 20, 25, 30, 35, 40, 45, 50, 60,
-         70, 80, 90, 100]
+TIMES = [0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 20, 25, 30, 35, 40, 45, 50,
+         60, 70, 80, 90, 100]
 SHARED = Path(__file__).parents[2].parent / "shared"
 
 
@@ -120,7 +120,7 @@ def test_named_surfaces_are_where_they_say() -> None:
 def test_tissue_is_the_reference_model(case: str) -> None:
     """Same nodes, elements, sets and displacements as the inputs that FEBio solved."""
     theirs = read(SHARED / "oracle" / "study" / "models" / f"tissue11_{case}.feb")
-    ours = small("tissue", case=case)
+    ours = new("tissue", n=11, case=case)
     assert np.allclose(ours.mesh.X, theirs.mesh.X, atol=1e-9)
     assert np.array_equal(ours.mesh.blocks[0].conn, theirs.mesh.blocks[0].conn)
     for a, b in (("x_faces", "x"), ("y_faces", "y"), ("bottom", "bottom"), ("top", "top")):
@@ -195,6 +195,7 @@ def test_later_values_win_over_size_and_file() -> None:
                               ({"depth": 0.02}, Where())])
     assert (values["n"], values["depth"]) == (7, 0.02)
     assert template.values([({"size": "small"}, Where())])["n"] == 11
+    assert template.values()["n"] == 35
 
 
 @pytest.mark.parametrize(("text", "value"), [
@@ -262,6 +263,7 @@ centre = {default = 0.0, unit = "mm", doc = "edge of the middle element"}
 grading = {default = 1.0, doc = "grading of the elements"}
 element = {default = "tet4", doc = "element type"}
 part = {default = "tissue", doc = "name of the part"}
+vertical = {default = 0, doc = "elements in height"}
 fixed = {default = true, doc = "hold the sides"}
 sides = {default = ["top", "bottom"], doc = "sides that are held"}
 """

@@ -49,7 +49,8 @@ def test_a_whole_model_of_ones_own_cells(tmp_path: Path) -> None:
     model = new("cell", mesh_file=str(tmp_path / "m.vtu"), part_array="tissue_type", scale=0.001,
                 part_names={"10": "ecm", "11": "pcm_1", "12": "pcm_2", "13": "cell_1", "14": "cell_2"})
     assert [(d.block, d.material) for d in model.domains] == [
-        ("ecm", "ecm"), ("pcm_1", "pcm"), ("pcm_2", "pcm"), ("cell_1", "chondrocyte"), ("cell_2", "chondrocyte")]
+        ("ecm", "ecm"), ("pcm_1", "pcm"), ("pcm_2", "pcm"),
+        ("cell_1", "chondrocyte"), ("cell_2", "chondrocyte")]
     assert {"top", "bottom", "outer", "cell_1_surface", "pcm_2_surface"} <= set(model.mesh.surfaces)
     assert model.mesh.part_lists["cells"] == ("cell_1", "cell_2")
 
@@ -57,7 +58,7 @@ def test_a_whole_model_of_ones_own_cells(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron20", "wedge"])
 def test_other_elements(tmp_path: Path, kind: str) -> None:
     own = {"tetra": "tet4", "tetra10": "tet10", "hexahedron20": "hex20", "wedge": "penta6"}[kind]
-    X, conn = filled(tissue_planes(3, 1.0, 0.0), own)
+    X, conn = filled((tissue_planes(3, 1.0, 0.0),) * 3, own)
     meshio.Mesh(X, [(kind, conn)]).write(tmp_path / "m.vtk")
     model = new("tissue", mesh_file=str(tmp_path / "m.vtk"), case="C")
     block = model.mesh.blocks[0]
@@ -68,7 +69,7 @@ def test_other_elements(tmp_path: Path, kind: str) -> None:
 
 
 def test_loose_nodes_and_surface_elements_are_left_out(tmp_path: Path) -> None:
-    X, conn = filled(tissue_planes(1, 1.0, 0.0), "hex8")
+    X, conn = filled((tissue_planes(1, 1.0, 0.0),) * 3, "hex8")
     X = np.concatenate([[[9.0, 9.0, 9.0]], X])
     meshio.Mesh(X, [("quad", conn[:, :4] + 1), ("hexahedron", conn + 1)]).write(tmp_path / "m.vtk")
     read = user_mesh(tmp_path / "m.vtk", {})
@@ -85,7 +86,7 @@ def test_unclear_parts_are_refused(tmp_path: Path, names: dict[str, str], array:
 
 
 def test_a_part_no_template_knows_is_refused(tmp_path: Path) -> None:
-    X, conn = filled(tissue_planes(1, 1.0, 0.0), "hex8")
+    X, conn = filled((tissue_planes(1, 1.0, 0.0),) * 3, "hex8")
     meshio.Mesh(X, [("hexahedron", conn)], cell_data={"part": [np.array([3])]}).write(tmp_path / "m.vtk")
     with pytest.raises(InputError, match="bone"):
         new("cell", mesh_file=str(tmp_path / "m.vtk"), part_names={"3": "bone"})
@@ -100,7 +101,7 @@ def test_files_that_are_no_solid_mesh(tmp_path: Path) -> None:
 
 
 def test_crushed_elements_are_refused(tmp_path: Path) -> None:
-    X, conn = filled(tissue_planes(1, 1.0, 0.0), "hex8")
+    X, conn = filled((tissue_planes(1, 1.0, 0.0),) * 3, "hex8")
     X[6] = [-0.6, -0.6, -0.6]
     meshio.Mesh(X, [("hexahedron", conn)]).write(tmp_path / "m.vtk")
     with pytest.raises(InputError, match="not positive"):
