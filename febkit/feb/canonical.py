@@ -10,7 +10,10 @@ from febkit.model import Component, MeshData, Model, Step
 
 from . import dofs
 from .edit import is_true
+from .v30 import DEFAULT_TYPES
 
+BODIES = ("rb", "body_a", "body_b", "rbA", "rbB")
+QUIET = (("relative", "0"), ("relative", "false"), ("load_type", "0"), ("load_type", "LOAD"))
 INTERPOLATION = {"interpolate": "LINEAR", "extend": "CONSTANT"}
 
 
@@ -32,7 +35,7 @@ def canonical(model: Model) -> Model:
 
 
 def _domain_type(kind: str | None) -> str | None:
-    return kind
+    return None if kind in DEFAULT_TYPES else kind
 
 
 def _thickness(model: Model) -> dict[str, MeshData]:
@@ -49,10 +52,11 @@ def _thickness(model: Model) -> dict[str, MeshData]:
         values = np.full(block.conn.shape, first)
         given = first != 0.0
         for m in model.mesh_data:
-            if m.name == "shell thickness" and m.set == d.block and m.items is not None and m.values is not None:
-                if m.values.shape[1] == values.shape[1] and m.items.max(initial=0) <= len(values):
-                    values[m.items - 1] = m.values
-                    given = True
+            if m.name != "shell thickness" or m.set != d.block or m.items is None or m.values is None:
+                continue
+            if m.values.shape[1:] == values.shape[1:] and m.items.max(initial=0) <= len(values):
+                values[m.items - 1] = m.values
+                given = True
         if given:
             items = np.arange(1, len(values) + 1)
             out[d.block] = MeshData("element", "shell thickness", d.block, spec, items, values)
@@ -89,7 +93,8 @@ def _stage(s: Step, materials: dict[str, str]) -> Step:
         loads=_nameless(x for c in s.loads for x in _load(c)),
         contact=_nameless(s.contact),
         constraints=_nameless(_bodies(c, materials) for c in s.constraints),
-        rigid=tuple(sorted(_nameless(x for c in s.rigid for x in _rigid(_bodies(c, materials))), key=_rigid_key)),
+        rigid=tuple(sorted(_nameless(x for c in s.rigid for x in _rigid(_bodies(c, materials))),
+                           key=_rigid_key)),
         initial=_nameless(s.initial))
 
 
@@ -99,9 +104,8 @@ def _nameless(cs: object) -> tuple[Component, ...]:
 
 def _bodies(c: Component, materials: dict[str, str]) -> Component:
     """Rigid bodies by name."""
-    children = tuple(
-        replace(x, text=materials.get(x.text, x.text)) if x.tag in ("rb", "body_a", "body_b", "rbA", "rbB") else x
-        for x in c.children)
+    children = tuple(replace(x, text=materials.get(x.text, x.text)) if x.tag in BODIES else x
+                     for x in c.children)
     return replace(c, children=children)
 
 
@@ -122,21 +126,33 @@ def _fixed(c: Component) -> list[Component]:
 
 def _relative(c: Component) -> Component:
     """Without <relative>0, which is the default."""
-    return replace(c, children=tuple(
-        x for x in c.children if not (x.tag in ("relative", "load_type") and x.text in ("0", "false", "LOAD"))))
+    return replace(c, children=tuple(x for x in c.children if (x.tag, x.text) not in QUIET))
 
 
 def _load(c: Component) -> list[Component]:
     """A constant nodal force as a load on each dof."""
     value = c.child("value")
     if c.type == "nodal_force" and value is not None and value.type in (None, "vector", "const"):
-        rest = tuple(x for x in c.children if x.tag not in ("value", "shell_bottom"))
+        rest = tuple(x for x in _relative(c).children if x.tag not in ("value", "shell_bottom"))
         return [replace(c, type="nodal_load", children=(
             Component("dof", text=d), Component("scale", text=v, attrs=value.attrs), *rest))
             for d, v in zip("xyz", value.text.replace(",", " ").split()) if float(v) != 0.0]
-    if c.type == "const":
-        return [c]
+    if c.tag == "body_load" and c.type == "const":
+        return [_constant(c)]
     return [_relative(c)]
+
+
+def _constant(c: Component) -> Component:
+    """x, y, z under at most one load curve as one vector."""
+    parts = [c.child(d) for d in "xyz"]
+    curves = {p.lc for p in parts if p is not None and p.text not in ("0", "0.0")}
+    if len(curves) > 1 or any(p is not None and (p.children or p.type) for p in parts):
+        return c
+    lc = curves.pop() if curves else None
+    force = Component("force", text=",".join(p.text if p is not None else "0" for p in parts),
+                      attrs={} if lc is None else {"lc": str(lc)})
+    rest = tuple(x for x in c.children if x.tag not in ("x", "y", "z"))
+    return replace(c, type="body force", children=(force, *rest))
 
 
 def _rigid(c: Component) -> list[Component]:

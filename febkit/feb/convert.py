@@ -13,7 +13,7 @@ VERSIONS = ("1.2", "2.0", "2.5", "3.0", "4.0")
 READ = ("1.0", "1.1", *VERSIONS)
 _UP: dict[str, Callable[[Tag], None]] = {"1.2": v12.up, "2.0": v20.up, "2.5": v25.up, "3.0": v30.up}
 _DOWN: dict[str, Callable[[Tag, list[str]], None]] = {
-    "4.0": v30.down, "3.0": v25_down.down, "2.5": v20.down, "2.0": v12.down}
+    "3.0": v25_down.down, "2.5": v20.down, "2.0": v12.down}
 
 
 def up(root: Tag) -> None:
@@ -34,5 +34,8 @@ def down(root: Tag, version: str) -> list[str]:
         raise InputError(f'febio_spec version "{version}" is not written; known are {", ".join(VERSIONS)}')
     notes: list[str] = []
     while root.attrs["version"] != version:
-        _DOWN[root.attrs["version"]](root, notes)
+        if root.attrs["version"] == "4.0":
+            v30.down(root, notes, edges=version != "3.0")
+        else:
+            _DOWN[root.attrs["version"]](root, notes)
     return list(dict.fromkeys(notes))

@@ -121,7 +121,8 @@ class _Diff:
                 self.add(f"part {name} type", x.type, y.type)
             self.array(f"part {name} element ids", x.ids, y.ids)
             self.array(f"part {name} connectivity", x.conn, y.conn)
-        for name, x, y in self._pairs("node set", {**a.node_blocks, **a.node_sets}, {**b.node_blocks, **b.node_sets}):
+        first, second = {**a.node_blocks, **a.node_sets}, {**b.node_blocks, **b.node_sets}
+        for name, x, y in self._pairs("node set", first, second):
             self.array(f"node set {name}", getattr(x, "nodes", x), getattr(y, "nodes", y))
         for name, x, y in self._pairs("element set", a.element_sets, b.element_sets):
             self.array(f"element set {name}", x.elements, y.elements)
@@ -147,7 +148,8 @@ class _Diff:
 
     # -- components
     def named(self, what: str, a: Iterable[Component], b: Iterable[Component]) -> None:
-        for name, x, y in self._pairs(what, {c.name or str(c.id): c for c in a}, {c.name or str(c.id): c for c in b}):
+        first, second = {c.name or str(c.id): c for c in a}, {c.name or str(c.id): c for c in b}
+        for name, x, y in self._pairs(what, first, second):
             self.component(f"{what} {name}", x, y)
 
     def listed(self, what: str, a: tuple[Component, ...], b: tuple[Component, ...]) -> None:
@@ -237,7 +239,8 @@ class _Diff:
 
     def output(self) -> None:
         a, b = self.a.output, self.b.output
-        one, two = [(v.type, v.alias, v.surface) for v in a.plot], [(v.type, v.alias, v.surface) for v in b.plot]
+        one = [(v.type, v.alias, v.surface) for v in a.plot]
+        two = [(v.type, v.alias, v.surface) for v in b.plot]
         for v in sorted(set(one) ^ set(two), key=str):
             self.add(f"plot variable {v[0]}", v in one, v in two)
         if a.plot_type != b.plot_type:

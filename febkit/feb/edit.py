@@ -101,3 +101,18 @@ def fresh(base: str, used: set[str]) -> str:
         name = f"{base}_{n}"
     used.add(name)
     return name
+
+
+def listed(tag: Tag) -> list[str]:
+    """Ids of <n id=/>, <e id=/>, <node id=/>, ... below a set."""
+    if tag.table is not None:
+        return [str(i) for i in tag.table.labels.tolist()]
+    return [c.need("id") for c in tag if c.name not in ("NodeSet", "node_list")]
+
+
+def walk(tag: Tag) -> list[Tag]:
+    """The tag and all below it."""
+    out = [tag]
+    for c in tag.children:
+        out += walk(c)
+    return out

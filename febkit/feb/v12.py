@@ -9,9 +9,8 @@ from __future__ import annotations
 from febkit.model import InputError
 
 from .document import Tag
-from .edit import drop_empty, leaf, pop, section, stages
+from .edit import drop_empty, leaf, listed, pop, section, stages
 from .mesh import FACETS, node_count
-from .v30 import listed
 
 MODULES = {"poro": "biphasic"}
 # loads on facets, and the parameter that the facets' scale multiplies
@@ -228,7 +227,8 @@ def load_down(c: Tag, nodes: dict[str, list[str]], facets: dict[str, list[Tag]],
     if c.name == "nodal_load":
         used.add(c.get("set") or "")
         own = nodes.get(c.get("set") or "", [])
-        rows = [leaf("node", c.get("scale") or "1", id=i, bc=c.need("bc"), lc=c.get("lc") or "0") for i in own]
+        scale, bc, lc = c.get("scale") or "1", c.need("bc"), c.get("lc") or "0"
+        rows = [leaf("node", scale, id=i, bc=bc, lc=lc) for i in own]
         return [Tag("force", children=rows)]
     if c.name == "body_load":
         c.name = "body_force"

@@ -11,9 +11,8 @@ from febkit.model import InputError
 
 from . import dofs
 from .document import Tag
-from .edit import drop_empty, fresh, leaf, pop, rename, section, stages, text
+from .edit import drop_empty, fresh, leaf, listed, pop, rename, section, stages, text, walk
 from .mesh import FACETS, LINES
-from .v30 import listed, walk
 
 SPRINGS = {"": "linear spring", "linear": "linear spring",
            "tension-only linear": "tension-only linear spring", "nonlinear": "nonlinear spring"}
@@ -61,6 +60,7 @@ def up(root: Tag) -> None:
     root.attrs["version"] = "2.5"
     names = Names(root)
     elements: dict[str, list[str]] = {}
+    parts: list[str] = []
     for g in root.all("Geometry"):
         for c in g:
             if c.name == "Nodes":
@@ -69,10 +69,11 @@ def up(root: Tag) -> None:
                 rename(c, "elset", "name")
                 if not c.get("name"):
                     c.attrs["name"] = fresh("Part", names.used)
+                parts.append(c.need("name"))
                 elements[c.need("name")] = listed(c)
             elif c.name == "ElementSet":
                 elements[c.get("name") or ""] = listed(c)
-    element_data_up(root, elements)
+    element_data_up(root, elements, parts)
     for stage in stages(root):
         for s in stage.all("Boundary"):
             s.children = [new for c in s for new in boundary_up(c, names, root)]
@@ -102,9 +103,9 @@ def order_up(root: Tag) -> None:
         root.children.insert(0, module)
 
 
-def element_data_up(root: Tag, elements: dict[str, list[str]]) -> None:
+def element_data_up(root: Tag, elements: dict[str, list[str]], parts: list[str]) -> None:
     """<ElementData> of <Geometry> becomes maps, one for each part and kind of data."""
-    part_of = {i: (name, n) for name, ids in elements.items() for n, i in enumerate(ids, 1)}
+    part_of = {i: (name, n) for name in parts for n, i in enumerate(elements[name], 1)}
     maps: dict[tuple[str, str], Tag] = {}
     for g in root.all("Geometry"):
         for data in g.all("ElementData"):
@@ -384,7 +385,6 @@ def _rows(d: Tag) -> list[tuple[int, str, list[Tag]]]:
 
 
 def boundary_down(c: Tag, stage: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
-    pop(c, "name")
     if c.name == "rigid_body":
         section(stage, "Constraints", ("Boundary",)).children.append(c)
         return []
@@ -451,7 +451,6 @@ def load_down(c: Tag, notes: list[str]) -> bool:
                          "version 2.0 does not have it")
             return False
         rename(c, "node_set", "set")
-        pop(c, "name")
         if scale is not None:
             c.attrs["scale"] = scale.text.strip()
             c.attrs["lc"] = scale.get("lc") or "0"
@@ -474,7 +473,6 @@ def body_down(c: Tag, notes: list[str]) -> bool:
     if c.get("elem_set"):
         notes.append("<body_load> on an element set: version 2.0 loads the whole body")
         return False
-    pop(c, "name")
     if c.get("type") == "body force":
         force = c.child("force")
         if force is None or force.get("type") not in (None, "vector", "const"):
@@ -487,7 +485,7 @@ def body_down(c: Tag, notes: list[str]) -> bool:
 
 
 def contact_down(c: Tag, pairs: dict[str, dict[str, str]]) -> None:
-    pop(c, "name")
+    c.attrs.setdefault("name", c.get("surface_pair") or "contact")
     sides = pairs.get(pop(c, "surface_pair"), {})
     for kind, side in (("master", "secondary"), ("slave", "primary")):
         if side in sides:
@@ -509,5 +507,6 @@ def discrete_down(s: Tag, springs: dict[str, list[str]], notes: list[str]) -> No
             notes.append(f'discrete material of type "{kind}": version 2.0 does not have it')
             continue
         rows = [leaf("node", p) for p in springs.get(c.get("discrete_set") or "", [])]
-        out.append(Tag("spring", {"type": back[kind]}, children=rows + material.children))
+        attrs = {"name": c.get("discrete_set") or "springs", "type": back[kind]}
+        out.append(Tag("spring", attrs, children=rows + material.children))
     s.children = out

@@ -7,12 +7,14 @@ tags of their own with ``bc="x,y"``; <LoadData> held <loadcurve>; every step was
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 
 from febkit.model import UnsupportedError
 
 from . import dofs
 from .document import Tag
 from .edit import (
+    clone,
     drop_empty,
     fresh,
     is_true,
@@ -38,7 +40,8 @@ RULES = {("hex8", "GAUSS8"): "HEX8G8", ("hex8", "POINT6"): "HEX8G6", ("hex8", "U
          ("tet4", "GAUSS4"): "TET4G4", ("tet4", "UT4"): "ut4", ("tet10", "GAUSS4"): "TET10G4",
          ("tet10", "GAUSS8"): "TET10G8", ("tet10", "LOBATTO11"): "TET10GL11",
          ("tet15", "GAUSS8"): "TET15G8", ("tet15", "GAUSS11"): "TET15G11", ("tet15", "GAUSS15"): "TET15G15"}
-ANALYSES = {"static": "STATIC", "dynamic": "DYNAMIC", "steady-state": "STEADY-STATE", "transient": "TRANSIENT"}
+ANALYSES = {"static": "STATIC", "dynamic": "DYNAMIC", "steady-state": "STEADY-STATE",
+            "transient": "TRANSIENT"}
 INTERPOLATIONS = {"step": "STEP", "linear": "LINEAR", "smooth": "SMOOTH", "cubic spline": "CUBIC SPLINE",
                   "control points": "CONTROL POINTS", "approximation": "APPROXIMATION",
                   "smooth step": "SMOOTH STEP", "C2-smooth": "C2-SMOOTH"}
@@ -62,22 +65,14 @@ def up(root: Tag) -> None:
             m.attrs.setdefault("name", names[m.get("id", str(i)) or str(i)])
     module = root.child("Module")
     kind = (module.get("type") if module is not None else None) or "solid"
-    domains: dict[str, str] = {}
+    asked: list[Formulation] = []
     for g in root.all("Geometry"):
         geometry_up(root, g, names)
     for stage in stages(root):
         for control in stage.all("Control"):
-            domains |= control_up(control, kind)
+            asked += control_up(control, kind)
         stage_up(stage, names)
-    for s in root.all("MeshDomains"):
-        shapes = {e.get("name"): e.get("type") for m in root.all("Mesh") for e in m.all("Elements")}
-        for d in s:
-            if (shape := shapes.get(d.get("name"))) in domains:
-                key, _, value = domains[str(shape)].partition("=")
-                if key == "normals":
-                    d.children.append(leaf("shell_normal_nodal", value))
-                else:
-                    d.attrs.setdefault(key, value)
+    formulations_up(root, asked)
     for s in root.all("LoadData"):
         for c in s:
             curve_up(c)
@@ -87,6 +82,25 @@ def up(root: Tag) -> None:
                 raise UnsupportedError(f"<{d.name}> maps have no counterpart in version 4.0", d.where)
             map_up(d)
     steps_up(root)
+
+
+@dataclass(frozen=True, slots=True)
+class Formulation:
+    """What <Control> says of all elements of some shapes: attributes and parameters of their domains."""
+
+    shapes: tuple[str, ...]
+    attrs: dict[str, str] = field(default_factory=dict)
+    children: tuple[Tag, ...] = ()
+
+
+def formulations_up(root: Tag, asked: list[Formulation]) -> None:
+    shapes = {e.get("name"): e.get("type") for m in root.all("Mesh") for e in m.all("Elements")}
+    for s in root.all("MeshDomains"):
+        for d in s:
+            for f in asked:
+                if shapes.get(d.get("name")) in f.shapes:
+                    d.attrs = f.attrs | d.attrs
+                    d.children += [clone(c) for c in f.children]
 
 
 def geometry_up(root: Tag, g: Tag, names: dict[str, str]) -> None:
@@ -124,9 +138,9 @@ def _plain(elem_type: str) -> str:
     return t.split("g")[0]
 
 
-def control_up(control: Tag, module: str) -> dict[str, str]:
-    """Returns what the control says of domains, by element shape."""
-    asked: dict[str, str] = {}
+def control_up(control: Tag, module: str) -> list[Formulation]:
+    """Returns what the control says of domains."""
+    asked: list[Formulation] = []
     own, solver = [], Tag("solver", line=control.line, doc=control.doc)
     for c in control:
         if c.name == "analysis":
@@ -134,14 +148,14 @@ def control_up(control: Tag, module: str) -> dict[str, str]:
             own.append(leaf("analysis", ANALYSES.get(word.lower(), word)))
         elif c.name in THREE_FIELD:
             flag = "on" if is_true(c.text) else "off"
-            asked |= dict.fromkeys(THREE_FIELD[c.name], f"three_field={flag}")
+            asked.append(Formulation(THREE_FIELD[c.name], {"three_field": flag}))
         elif c.name == "integration":
-            asked |= _rules(c)
+            asked += _rules(c)
         elif c.name == "shell_normal_nodal":
-            asked |= {shape: f"normals={c.text.strip()}" for shape in SHELL_SHAPES}
+            asked.append(Formulation(SHELL_SHAPES, {}, (c,)))
         elif c.name in STEP_PARAMETERS or c.name == "shell_formulation":
             own.append(c)
-        elif c.name not in ("print_level", "title", "optimize_bw", "logfile", "must_points"):
+        elif c.name not in ("print_level", "title"):
             solver.children.append(c)
     other = QN_DEFAULT.get(module, "Broyden") != "BFGS" or solver.child("max_ups") is not None
     if solver.child("qnmethod") is None and other:
@@ -150,15 +164,15 @@ def control_up(control: Tag, module: str) -> dict[str, str]:
     return asked
 
 
-def _rules(integration: Tag) -> dict[str, str]:
-    out = {}
+def _rules(integration: Tag) -> list[Formulation]:
+    out = []
     for rule in integration.all("rule"):
         shape, word = rule.need("elem"), (rule.get("type") or rule.text).strip()
         if shape.startswith("tri") or (shape, word) in (("tet4", "GAUSS1"), ("tet10", "GAUSS1")):
             continue
         if (shape, word) not in RULES:
             raise UnsupportedError(f'integration rule "{word}" of {shape} has no counterpart', rule.where)
-        out[shape] = f"elem_type={RULES[shape, word]}"
+        out.append(Formulation((shape,), {"elem_type": RULES[shape, word]}, tuple(rule.children)))
     return out
 
 

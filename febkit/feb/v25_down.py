@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .document import Tag
-from .edit import clone, is_true, leaf, materials, pop, rename, section, stages, take, text
+from .edit import clone, is_true, leaf, listed, materials, pop, rename, section, stages, take, text, walk
 from .mesh import floats
+from .references import materialise
 from .v25 import (
     ANALYSES,
     EXTENDS,
@@ -18,7 +17,7 @@ from .v25 import (
     ROWS,
     THREE_FIELD,
 )
-from .v30 import QN_DEFAULT, body_name, listed, walk
+from .v30 import QN_DEFAULT, body_name
 
 
 def down(root: Tag, notes: list[str]) -> None:
@@ -33,9 +32,8 @@ def down(root: Tag, notes: list[str]) -> None:
     asked: list[Tag] = []
     for mesh in root.all("Mesh"):
         asked = geometry_down(root, mesh, ids, notes)
-    nodes = {s.get("name") or "" for m in root.all("Geometry") for s in (*m.all("NodeSet"), *m.all("Nodes"))}
-    for tag in walk(root):
-        node_set_down(root, tag, nodes)
+    for g in root.all("Geometry"):
+        materialise(root, g, ("@surface", "@edge", "@elem_set"))
     for s in root.all("LoadData"):
         for c in list(s):
             curve_down(c, s, notes)
@@ -69,6 +67,8 @@ def geometry_down(root: Tag, mesh: Tag, ids: dict[str, str], notes: list[str]) -
         for c in d:
             if c.name == "shell_thickness":
                 thickness_down(root, e, c.text.strip())
+            elif c.name in ("alpha", "iso_stab") and d.get("elem_type") == "ut4":
+                said.setdefault(c.name, set()).add(c.text.strip())
             elif c.name == "shell_normal_nodal":
                 said.setdefault("normals", set()).add("1" if is_true(c.text) else "0")
             else:
@@ -77,16 +77,23 @@ def geometry_down(root: Tag, mesh: Tag, ids: dict[str, str], notes: list[str]) -
             said.setdefault(shape, set()).add(d.need("three_field"))
         elif any(shape in shapes for shapes in THREE_FIELD.values()):
             said.setdefault(shape, set()).add("")
-    return three_field_down(said, notes)
+    return formulations_down(said, notes)
 
 
-def three_field_down(said: dict[str, set[str]], notes: list[str]) -> list[Tag]:
+def formulations_down(said: dict[str, set[str]], notes: list[str]) -> list[Tag]:
     out = []
     normals = said.pop("normals", {"1"})
     if normals == {"0"}:
         out.append(leaf("shell_normal_nodal", "0"))
     elif len(normals) > 1:
         notes.append("<shell_normal_nodal>: holds for all shells in version 2.5, and the domains differ")
+    ut4 = {k: said.pop(k) for k in ("alpha", "iso_stab") if k in said}
+    if ut4 and all(len(v) == 1 for v in ut4.values()):
+        rows = [leaf(k, next(iter(v))) for k, v in ut4.items()]
+        rule = Tag("rule", {"elem": "tet4", "type": "UT4"}, children=rows)
+        out.append(Tag("integration", children=[rule]))
+    elif ut4:
+        notes.append("<alpha>, <iso_stab>: hold for all tet4 in version 2.5, and the domains differ")
     for key, shapes in THREE_FIELD.items():
         if key in ("use_three_field_quad", "use_three_field_tri"):
             continue
@@ -110,44 +117,6 @@ def thickness_down(root: Tag, e: Tag, thickness: str) -> None:
     rows = Tag("ElementData", {"var": "shell thickness", "elem_set": e.need("name")})
     rows.children = [leaf("e", ",".join([thickness] * n), lid=str(i)) for i in range(1, count + 1)]
     data.children.insert(0, rows)
-
-
-def node_set_down(root: Tag, tag: Tag, nodes: set[str]) -> None:
-    """References to the nodes of surfaces and element sets become node sets."""
-    ref = tag.get("node_set") or ""
-    prefix, _, name = ref.partition(":")
-    if not prefix.startswith("@"):
-        return
-    new = name
-    if name not in nodes:
-        nodes.add(new)
-        geometry = section(root, "Geometry")
-        rows = [leaf("n", id=str(i)) for i in _nodes_of(geometry, prefix, name)]
-        geometry.children.append(Tag("NodeSet", {"name": new}, children=rows))
-    tag.attrs["node_set"] = new
-
-
-def _nodes_of(geometry: Tag, prefix: str, name: str) -> list[int]:
-    kinds = {"@surface": ("Surface",), "@edge": ("Edge",)}.get(prefix, ("Elements", "ElementSet"))
-    found = [c for c in geometry if c.name in kinds and c.get("name") == name]
-    seen: dict[int, None] = {}
-    for c in found:
-        if c.name == "ElementSet":
-            wanted = {int(e.need("id")) for e in c}
-            for e in geometry.all("Elements"):
-                seen |= dict.fromkeys(_row_nodes(e, wanted))
-        else:
-            seen |= dict.fromkeys(_row_nodes(c, None))
-    return list(seen)
-
-
-def _row_nodes(c: Tag, wanted: set[int] | None) -> list[int]:
-    if c.table is not None:
-        rows = c.table.values
-        if wanted is not None:
-            rows = rows[np.isin(c.table.labels, list(wanted))]
-        return [int(v) for v in rows.reshape(-1).tolist()]
-    return [int(v) for r in c for v in floats(r.text, r) if wanted is None or int(r.need("id")) in wanted]
 
 
 def curve_down(c: Tag, curves: Tag, notes: list[str]) -> None:

@@ -14,6 +14,7 @@ from .edit import (
     fresh,
     is_true,
     leaf,
+    listed,
     materials,
     pop,
     rename,
@@ -22,8 +23,10 @@ from .edit import (
     stages,
     take,
     text,
+    walk,
 )
 from .mesh import ints
+from .references import materialise
 
 QN = {"max_ups": "max_ups", "qn_max_buffer_size": "max_buffer_size", "qn_cycle_buffer": "cycle_buffer",
       "cmax": "cmax"}
@@ -37,8 +40,13 @@ RIGID_LOADS = {"follower force": "rigid_follower_force", "follower moment": "rig
 RIGID_ICS = ("initial_rigid_velocity", "initial_rigid_angular_velocity")
 CONTACT_NAMES = {"facet-to-facet sliding": "sliding-facet-on-facet",
                  "sliding_with_gaps": "sliding-node-on-facet"}
+# what a domain is where nothing is said, by its material and module
+DEFAULT_TYPES = ("rigid-solid", "rigid-shell", "linear-truss", "remodeling-solid", "biphasic-solid",
+                 "biphasic-shell", "biphasic-solute-solid", "biphasic-solute-shell", "triphasic-solid",
+                 "multiphasic-solid", "multiphasic-shell")
+LINES = ("line2", "line3", "truss2")
 SOLID_TYPES = {"three-field-solid": {"three_field": "on"}, "elastic-solid": {"three_field": "off"},
-               "three-field-shell": {"three_field": "on"}}
+               "three-field-shell": {"three_field": "on"}, "ut4-solid": {"elem_type": "ut4"}}
 SHELL_TYPES = {"elastic-shell-eas": {"elem_type": "q4eas"}, "elastic-shell-ans": {"elem_type": "q4ans"},
                "elastic-shell": {"three_field": "off"}}
 
@@ -72,16 +80,12 @@ def up(root: Tag) -> None:
     for s in root.all("MeshData"):
         for d in s:
             map_up(d)
+    shapes = {e.get("name"): e.get("type") for mesh in root.all("Mesh") for e in mesh.all("Elements")}
     for s in root.all("MeshDomains"):
         for d in s:
+            if shapes.get(d.get("name")) in LINES:
+                d.name = "BeamDomain"
             domain_up(d, SHELLS.get(shell))
-
-
-def listed(tag: Tag) -> list[str]:
-    """Ids of <n id=/>, <e id=/>, <node id=/>, ... below a set."""
-    if tag.table is not None:
-        return [str(i) for i in tag.table.labels.tolist()]
-    return [c.need("id") for c in tag if c.name not in ("NodeSet", "node_list")]
 
 
 def sets_up(mesh: Tag) -> None:
@@ -266,9 +270,9 @@ def map_up(d: Tag) -> None:
 def domain_up(d: Tag, shell: str | None) -> None:
     three = pop(d, "three_field").lower()
     elem = d.get("elem_type") or ""
-    if elem in ("q4eas", "q4ans"):
+    if elem in ("q4eas", "q4ans", "ut4"):
         del d.attrs["elem_type"]
-        d.attrs["type"] = f"elastic-shell-{elem[2:]}"
+        d.attrs["type"] = "ut4-solid" if elem == "ut4" else f"elastic-shell-{elem[2:]}"
     elif three in ("on", "1", "true"):
         d.attrs["type"] = "three-field-solid" if d.name == "SolidDomain" else "three-field-shell"
     elif three:
@@ -278,13 +282,17 @@ def domain_up(d: Tag, shell: str | None) -> None:
 
 
 # -- down
-def down(root: Tag, notes: list[str]) -> None:
-    """Changes a 4.0 tree to 3.0 in place; ``notes`` receives what 3.0 cannot say."""
+def down(root: Tag, notes: list[str], edges: bool = False) -> None:
+    """Changes a 4.0 tree to 3.0 in place; ``notes`` receives what 3.0 cannot say.
+
+    ``edges`` keeps what 3.0 lost and the versions before it had.
+    """
     root.attrs["version"] = "3.0"
     ids = {name: i for i, name in materials(root).items()}
     lists: dict[str, str] = {}
     for mesh in root.all("Mesh"):
-        lists = sets_down(mesh, notes)
+        materialise(root, mesh, ("@edge",))
+        lists = sets_down(mesh, notes, edges)
     for s in root.all("MeshDomains"):
         for d in list(s):
             domain_down(d, s, notes)
@@ -308,14 +316,7 @@ def down(root: Tag, notes: list[str]) -> None:
                 tag.attrs[attr] = lists[v]
 
 
-def walk(tag: Tag) -> list[Tag]:
-    out = [tag]
-    for c in tag.children:
-        out += walk(c)
-    return out
-
-
-def sets_down(mesh: Tag, notes: list[str]) -> dict[str, str]:
+def sets_down(mesh: Tag, notes: list[str], edges: bool) -> dict[str, str]:
     """Returns new names of references to part lists."""
     used = {c.get("name") or "" for c in mesh}
     elements: dict[str, list[str]] = {}
@@ -323,12 +324,12 @@ def sets_down(mesh: Tag, notes: list[str]) -> dict[str, str]:
         elements = {c.get("name") or "": listed(c) for c in mesh.all("Elements")}
     references: dict[str, str] = {}
     for s in list(mesh):
-        if s.name in ("NodeSet", "ElementSet"):
+        if s.name in ("NodeSet", "ElementSet") and not s.children:
             ids = ints(s.text, s).tolist()
             if s.name == "ElementSet":
                 elements[s.get("name") or ""] = [str(i) for i in ids]
             s.text, s.children = "", [leaf("n" if s.name == "NodeSet" else "e", id=str(i)) for i in ids]
-        elif s.name == "Edge":
+        elif s.name == "Edge" and not edges:
             mesh.children.remove(s)
             notes.append(f'edge "{s.get("name")}": version 3.0 has no <Edge>')
         elif s.name == "PartList":
@@ -345,15 +346,16 @@ def sets_down(mesh: Tag, notes: list[str]) -> dict[str, str]:
 def domain_down(d: Tag, domains: Tag, notes: list[str]) -> None:
     kind = d.get("type")
     if d.name == "BeamDomain":
-        notes.append(f'domain "{d.get("name")}": version 3.0 has no <BeamDomain>; written as <SolidDomain>')
         d.name = "SolidDomain"
         kind = pop(d, "type") or None
-        if kind not in (None, "elastic-truss"):
+        if kind not in (None, *DEFAULT_TYPES):
             notes.append(f'domain "{d.get("name")}": version 3.0 cannot ask for type "{kind}"')
         return
     if kind is None:
         return
     del d.attrs["type"]
+    if kind in DEFAULT_TYPES:
+        return
     attrs = (SOLID_TYPES if kind in SOLID_TYPES else SHELL_TYPES).get(kind)
     if attrs is None:
         notes.append(f'domain "{d.get("name")}": version 3.0 cannot ask for type "{kind}"')
@@ -423,7 +425,8 @@ def fix_down(bc: Tag, group: dofs.Group, notes: list[str]) -> bool:
     else:
         own = [d for d in group.dofs if is_true(text(bc, f"{d}_dof", "0"))]
     known = {group.flag(d) for d in group.dofs}
-    notes += [f'<bc type="{group.fixed}"><{c.name}>: not said in version 3.0' for c in bc if c.name not in known]
+    notes += [f'<bc type="{group.fixed}"><{c.name}>: not said in version 3.0'
+              for c in bc if c.name not in known]
     bc.attrs["type"] = "fix"
     bc.children = [leaf("dofs", ",".join(own))]
     return bool(own)
@@ -459,6 +462,8 @@ def rigid_down(c: Tag, ids: dict[str, str], notes: list[str]) -> bool:
     elif c.name == "rigid_load" and kind in RIGID_LOADS.values():
         c.name = "rigid_constraint"
         c.attrs["type"] = next(old for old, new in RIGID_LOADS.items() if new == kind)
+    elif c.name == "rigid_bc":
+        c.name = "rigid_constraint"
     elif c.name != "rigid_connector":
         notes.append(f'<{c.name} type="{kind}">: version 3.0 does not have it')
         return False
