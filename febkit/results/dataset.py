@@ -19,7 +19,7 @@ from xarray.core import indexing
 from . import units
 from .fields import Field, Places, components
 from .xplt.reader import PlotFile
-from .xplt.records import MeshOutline, PlotMesh, PlotSurface, PlotVariable
+from .xplt.records import MeshOutline, PlotSurface, PlotVariable
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
@@ -223,18 +223,15 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
     def later(dims: tuple[str, ...], shape: tuple[int, ...], kind: str, make: Make) -> Any:
         return xr.Variable(dims, indexing.LazilyIndexedArray(MeshArray(shape, np.dtype(kind), make)))
 
-    def conn() -> np.ndarray:
-        return _connectivity(f.mesh(mesh), width)
-
     coords: dict[Hashable, Any] = {
         "time": xr.Variable(("time",), short_times(f.times[states])),
         "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
         "node_id": later(("node",), (n,), "i4", lambda: f.mesh(mesh).node_ids),
         "X": later(("node", "xyz"), (n, 3), "f4", lambda: f.mesh(mesh).X),
-        "element_id": later(("element",), (e,), "i4", lambda: _ids(f.mesh(mesh))),
+        "element_id": later(("element",), (e,), "i4", lambda: f.mesh(mesh).element_ids()),
         "part": later(("element",), (e,), "i4", lambda: np.repeat(np.arange(len(names)), sizes)),
         "element_type": later(("element",), (e,), "i4", lambda: np.repeat(kinds, sizes)),
-        "connectivity": later(("element", "local"), (e, width), "i4", conn),
+        "connectivity": later(("element", "local"), (e, width), "i4", lambda: f.mesh(mesh).connectivity()),
     }
     coords["X"].attrs["long_name"] = "reference coordinates"
     if f.header.units:
@@ -250,20 +247,6 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
         if value:
             attrs[key] = value
     return coords, attrs
-
-
-def _ids(m: PlotMesh) -> np.ndarray:
-    return np.concatenate([d.element_ids for d in m.domains])
-
-
-def _connectivity(m: PlotMesh, width: int) -> np.ndarray:
-    """(element, local) node indices padded with -1."""
-    conn = np.full((m.n_elements, width), -1, np.int32)
-    at = 0
-    for d in m.domains:
-        conn[at : at + len(d.conn), : d.conn.shape[1]] = d.conn
-        at += len(d.conn)
-    return conn
 
 
 def _sets(m: MeshOutline) -> dict[Hashable, Any]:

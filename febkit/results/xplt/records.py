@@ -90,6 +90,21 @@ class PlotMesh:
     def n_elements(self) -> int:
         return sum(len(d.element_ids) for d in self.domains)
 
+    def element_ids(self) -> Ints:
+        """(element,) ids, domain after domain."""
+        ids = [np.asarray(d.element_ids, np.int32) for d in self.domains]
+        return np.concatenate(ids) if ids else np.empty(0, np.int32)
+
+    def connectivity(self) -> Ints:
+        """(element, local) node indices, domain after domain, padded with -1."""
+        width = max((d.conn.shape[1] for d in self.domains), default=0)
+        out = np.full((self.n_elements, width), -1, np.int32)
+        at = 0
+        for d in self.domains:
+            out[at : at + len(d.conn), : d.conn.shape[1]] = d.conn
+            at += len(d.conn)
+        return out
+
 
 @dataclass(frozen=True, slots=True)
 class DomainHead:

@@ -1,0 +1,152 @@
+"""``febkit info``: what is in a model, a results file or a log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from febkit.model import Model, Step
+    from febkit.results.summary import PlotSummary, VariableSummary
+
+
+@click.command("info", context_settings={"max_content_width": 110})
+@click.argument("files", nargs=-1, required=True,
+                type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--ranges", is_flag=True, help="Ranges over all states, not only the last.")
+@click.option("--times", is_flag=True, help="List every time.")
+def command(files: tuple[Path, ...], ranges: bool, times: bool) -> None:
+    """Say what is in a model (.feb), results (.xplt, .plt, .nc) or a log (.log).
+
+    \b
+    febkit info model.feb
+    febkit info run.xplt --ranges
+    """
+    for i, file in enumerate(files):
+        if len(files) > 1:
+            click.echo(f"{'' if i == 0 else chr(10)}{file}:")
+        for line in _lines(file, ranges, times):
+            click.echo(line)
+
+
+def _lines(file: Path, ranges: bool, times: bool) -> Iterator[str]:
+    kind = file.suffix.lower()
+    if kind == ".feb":
+        from febkit.feb import read
+
+        yield from model_lines(read(file))
+    elif kind == ".xplt":
+        from febkit.results.summary import summarize
+
+        yield from plot_lines(summarize(file, ranges), ranges, times)
+    elif kind == ".log":
+        yield from _log_lines(file)
+    elif kind in (".plt", ".nc", ".nc4", ".h5"):
+        from febkit import results
+
+        yield from str(results.open(file)).splitlines()
+    else:
+        raise click.UsageError(f"{file.name} is none of .feb, .xplt, .plt, .nc, .log")
+
+
+def model_lines(model: Model) -> Iterator[str]:
+    """A model in words."""
+    m = model.mesh
+    units = f", units {model.units}" if model.units else ""
+    yield f"febio_spec {model.version}, module {model.module}{units}"
+    yield f"nodes     {len(m.node_ids)}"
+    yield f"elements  {sum(len(b.ids) for b in m.blocks)}"
+    material = {d.block: d.material for d in model.domains}
+    for b in m.blocks:
+        yield f"  part {b.name}: {len(b.ids)} {b.type}, material {material.get(b.name) or '-'}"
+    for c in model.materials:
+        inner = [f"{k.tag} {k.type}" for k in c if k.type]
+        yield f"  material {c.name or c.id}: {c.type}" + (f" ({', '.join(inner)})" if inner else "")
+    sets = (
+        ("node sets", {k: len(v.nodes) for k, v in m.node_sets.items()}),
+        ("surfaces", {k: sum(map(len, v.facets.values())) for k, v in m.surfaces.items()}),
+        ("element sets", {k: len(v.elements) for k, v in m.element_sets.items()}),
+        ("discrete sets", {k: len(v.pairs) for k, v in m.discrete_sets.items()}),
+    )
+    for title, sizes in sets:
+        yield from _sizes(title, sizes)
+    yield from _step("all steps", model.common)
+    for i, step in enumerate(model.steps, start=1):
+        yield from _step(f"step {i}", step)
+    if model.controllers:
+        yield f"load controllers  {len(model.controllers)}"
+    if model.output.plot:
+        yield f"plots     {', '.join(v.type for v in model.output.plot)}"
+
+
+def _step(name: str, step: Step) -> Iterator[str]:
+    said = []
+    if step.control is not None:
+        c = step.control
+        said.append(f"{c.str('analysis', '?').lower()}, {c.str('time_steps')} steps of {c.str('step_size')}")
+    for key in ("boundary", "loads", "contact", "constraints", "rigid", "initial"):
+        held = getattr(step, key)
+        if held:
+            said.append(f"{len(held)} {key} ({', '.join(dict.fromkeys(c.type or c.tag for c in held))})")
+    if said:
+        yield f"{name}: {'; '.join(said)}"
+
+
+def _sizes(title: str, sizes: dict[str, int]) -> Iterator[str]:
+    if sizes:
+        yield f"{title:<9} {', '.join(f'{k} ({n})' for k, n in sizes.items())}"
+
+
+def plot_lines(s: PlotSummary, every: bool, all_times: bool) -> Iterator[str]:
+    """A plotfile in words."""
+    said = [f"plotfile version {s.version:#x}", s.software, f"units {s.units}" if s.units else ""]
+    yield ", ".join(x for x in (*said, "compressed" if s.compressed else "") if x)
+    yield f"nodes     {s.nodes}"
+    yield f"elements  {sum(n for _, _, n, _ in s.parts)}"
+    for name, type_, n, material in s.parts:
+        yield f"  part {name}: {n} {type_}, material {material}"
+    yield from _sizes("node sets", s.node_sets)
+    yield from _sizes("surfaces", s.surfaces)
+    yield from _sizes("element sets", s.element_sets)
+    if s.meshes > 1:
+        yield f"meshes    {s.meshes} (sizes are of the last)"
+    yield f"states    {len(s.times)}" + (f", t = {s.times[0]:g} to {s.times[-1]:g}" if len(s.times) else "")
+    if all_times:
+        yield "  " + " ".join(f"{t:g}" for t in s.times)
+    if (s.statuses == 2).any():
+        yield f"  {int((s.statuses == 2).sum())} states did not converge"
+    if s.leftover:
+        yield f"  {s.leftover} bytes of a state that is not complete: still being written, or cut"
+    yield f"variables (range {'over all states' if every else 'in the last state'})"
+    width = max((len(v.name) for v in s.variables), default=0)
+    for v in s.variables:
+        yield f"  {v.name:<{width}}  {v.section:<7} {v.format:<6} {v.type:<6}  {_range(v)}"
+
+
+def _range(v: VariableSummary) -> str:
+    if all(x != x for x in v.low):
+        return "no data"
+    spans = [f"{c}[{a:.4g}, {b:.4g}]" for c, a, b in zip(v.components, v.low, v.high)]
+    return " ".join(spans[:9]) + (" ..." if len(spans) > 9 else "")
+
+
+def _log_lines(file: Path) -> Iterator[str]:
+    from febkit.results.log import read_log
+
+    log = read_log(file)
+    done = int(log.steps["converged"].sum()) if len(log.steps) else 0
+    end = {True: "normal termination", False: "error termination", None: "not finished"}[log.normal]
+    yield end
+    yield f"time steps  {len(log.steps)} tried, {done} converged"
+    if done:
+        yield f"last time   {log.steps.loc[log.steps['converged'], 'time'].iloc[-1]:g}"
+    yield f"iterations  {len(log.iterations)}"
+    for m in log.messages:
+        yield f"{m.kind.lower()} (line {m.line}): {m.text}"
+    if log.records:
+        yield f"data records  {', '.join(dict.fromkeys(r.data for r in log.records))}"
+    for k, v in log.summary.items():
+        yield f"  {k}: {v:g}"
