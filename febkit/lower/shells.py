@@ -1,0 +1,86 @@
+"""<ShellDomain> to solver blocks: thick elements between the mesh's nodes and back nodes of their own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from febkit.model import Component, Domain, InputError
+from febkit.model.sets import element_ids
+from febkit.solver import elements
+from febkit.solver.problem import Block
+from febkit.solver.shells import Shell, Solid, thicken
+
+from .context import Context
+
+#: formulations of <ShellDomain type=>; "" is FEBio's choice
+FORMULATIONS = frozenset({"", "elastic-shell", "three-field-shell"})
+OPTIONS = frozenset({"shell_thickness", "shell_normal_nodal", "secant_stress", "secant_tangent", "elem_type"})
+
+
+def check(ctx: Context, d: Domain) -> bool:
+    """Refuse what shells cannot do; True where nothing is refused."""
+    before, facet = len(ctx.refused), ctx.blocks[d.block].type
+    if f"shell_{facet}" not in elements.SHELLS:
+        ctx.refuse(f"shell element type {facet}", d.where)
+    if (d.type or "") not in FORMULATIONS:
+        ctx.refuse(f'<ShellDomain type="{d.type}">', d.where)
+    if d.spec is not None:
+        ctx.check_tags(d.spec, OPTIONS)
+        leaf = d.spec.child("shell_normal_nodal")
+        if leaf is not None and not leaf.as_bool():
+            ctx.refuse("<shell_normal_nodal>0</shell_normal_nodal> (directors per element)", leaf.where)
+    return len(ctx.refused) == before
+
+
+def three_field(d: Domain, facet: str) -> bool:
+    """FEBio's choice for uncoupled materials: three-field on quad4, standard on the others."""
+    return d.type == "three-field-shell" or (not d.type and facet == "quad4")
+
+
+def rule(spec: Component | None) -> str | None:
+    """Integration rule asked for by elem_type, such as QUAD4G12."""
+    name = spec.str("elem_type") if spec is not None else ""
+    return name[name.rindex("G"):] if "G" in name else None
+
+
+def thickness(ctx: Context, d: Domain) -> np.ndarray:
+    """Thickness (element, node) of a shell domain: <shell_thickness>, then element data over it."""
+    block = ctx.blocks[d.block]
+    out = np.full(block.conn.shape, d.spec.float("shell_thickness", 0.0) if d.spec is not None else 0.0)
+    order = {int(i): k for k, i in enumerate(block.ids)}
+    for data in ctx.model.mesh_data:
+        if data.name != "shell thickness":
+            continue
+        ids = element_ids(ctx.model.mesh, data.set, data.where)
+        if data.items is None or data.values is None:
+            ctx.refuse(f"shell thickness made by {data.spec.type}", data.where)
+            continue
+        values = np.asarray(data.values, float).reshape(len(data.values), -1)
+        for lid, row in zip(np.asarray(data.items, int), values, strict=True):
+            k = order.get(int(ids[lid - 1]))
+            if k is not None:
+                out[k] = row
+    if not (out > 0).all():
+        e = int(block.ids[int(np.argmax((out <= 0).any(axis=1)))])
+        where = f"shell element {e} of part \"{d.block}\""
+        raise InputError(f"{where} has no thickness; give <shell_thickness>", d.where)
+    return out
+
+
+def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tuple[np.ndarray, np.ndarray]:
+    """Make shell blocks thick, in place; ``domains`` gives the domain of each shell block.
+
+    Returns the nodes (mesh and back) and each mesh node's back node (-1 where it has none).
+    """
+    shells = [b for b in blocks if b.name in domains]
+    solids = [b for b in blocks if b.name not in domains]
+    made = thicken(
+        ctx.model.mesh.X,
+        [Shell(ctx.blocks[b.name].type, b.conn, thickness(ctx, domains[b.name])) for b in shells],
+        [Solid(b.element, b.conn) for b in solids],
+    )
+    for b, conn in zip([*shells, *solids], [*made.shells, *made.solids], strict=True):
+        b.conn = conn
+    for b in shells:
+        b.element, b.rule = f"shell_{ctx.blocks[b.name].type}", rule(domains[b.name].spec)
+    return made.X, made.back
