@@ -88,6 +88,7 @@ class Document:
     _at: list[int] = field(default_factory=list)  # start of each cut in the parsed text
     _shift: list[int] = field(default_factory=list)  # bytes taken out up to and with that cut
     baseline: Any = None  # the model as it was read
+    own: bool = False  # the model was read from this very tree, not from a converted one
     origin: dict[int, Tag] = field(default_factory=dict)  # id(component) -> the tag it was read from
 
     def offset(self, parsed: int, end: bool = False) -> int:

@@ -34,7 +34,7 @@ def read_bytes(data: bytes, file: str = "") -> Model:
     model = ModelBuilder(root, file, doc if own else None).build()
     object.__setattr__(model, "version", doc.root.need("version"))
     object.__setattr__(model, "document", doc)
-    doc.baseline = model
+    doc.baseline, doc.own = model, own
     return model
 
 

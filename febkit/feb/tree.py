@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import Component, LoadController, LogEntry, Mesh, MeshData, Model, Output, Step
+from febkit.model import Component, Domain, LoadController, LogEntry, Mesh, MeshData, Model, Output, Step
 from febkit.model.mesh import Ints
 
 from .build import DATA_KINDS, DOMAIN_KINDS, STEP_SECTIONS
@@ -117,13 +117,17 @@ def _surface_tag(name: str, facets: Mapping[str, Ints], labels: Mapping[str, Int
 
 def domains_tag(model: Model) -> Tag:
     out = Tag("MeshDomains")
-    for d in model.domains:
-        tag = tag_of(d.spec) if d.spec is not None else Tag(DOMAIN_TAGS[d.kind])
-        rest = {k: v for k, v in tag.attrs.items() if k not in ("name", "mat", "type")}
-        tag.attrs = {"name": d.block} | ({"mat": d.material} if d.material else {})
-        tag.attrs |= ({"type": d.type} if d.type else {}) | rest
-        out.children.append(tag)
+    out.children = [domain_tag(d) for d in model.domains]
     return out
+
+
+def domain_tag(d: Domain) -> Tag:
+    tag = tag_of(d.spec) if d.spec is not None else Tag(DOMAIN_TAGS[d.kind])
+    tag.name = DOMAIN_TAGS[d.kind]
+    rest = {k: v for k, v in tag.attrs.items() if k not in ("name", "mat", "type")}
+    tag.attrs = {"name": d.block} | ({"mat": d.material} if d.material else {})
+    tag.attrs |= ({"type": d.type} if d.type else {}) | rest
+    return tag
 
 
 def data_tag(d: MeshData) -> Tag:

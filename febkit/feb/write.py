@@ -10,21 +10,29 @@ from febkit.model import Model
 from . import convert
 from .document import Document
 from .serialize import document_bytes
+from .splice import splice
 from .tree import tree
 
 
 def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]]:
     """The file's bytes, and what the version asked for cannot say.
 
-    An untouched model written in its own version gives back the bytes it was read from.
+    An untouched model written in its own version gives back the bytes it was read from; an edited one of
+    version 4.0 differs from them only where it was edited.
     """
     version = version or (model.version if model.document is not None else "4.0")
     doc = model.document
-    if isinstance(doc, Document) and version == model.version and doc.baseline is model:
-        return doc.data, []
+    notes: list[str] = []
+    if isinstance(doc, Document):
+        if version == model.version and doc.baseline is model:
+            return doc.data, []
+        if version == model.version == "4.0" and doc.own:
+            return splice(doc, doc.baseline, model), []
+        comments = doc.data.count(b"<!--")
+        if comments:
+            notes.append(f"{comments} comments: they stay behind in the file that was read")
     root = tree(model)
-    notes = convert.down(root, version)
-    return document_bytes(root), notes
+    return document_bytes(root), notes + convert.down(root, version)
 
 
 def write(model: Model, path: str | PathLike[str], version: str | None = None) -> list[str]:
