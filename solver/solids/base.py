@@ -59,6 +59,8 @@ class Solid:
     parameters: ClassVar[tuple[str, ...]] = ()
     options: ClassVar[tuple[str, ...]] = ()
     properties: ClassVar[dict[str, Property]] = {}
+    vectors: ClassVar[dict[str, int]] = {}  # parameters of several numbers, and how many
+    constants: ClassVar[tuple[str, ...]] = ()  # fields the file gives under Globals (R, T)
     history: int = field(default=0, init=False, repr=False)  # columns of the node's own, children not counted
     symmetric: ClassVar[bool] = True  # the tangent has major symmetry
     uncoupled: ClassVar[bool] = False
@@ -70,6 +72,8 @@ class Solid:
     def __post_init__(self) -> None:
         for name in self.parameters:
             setattr(self, name, as_value(getattr(self, name)))
+        for name in self.vectors:
+            setattr(self, name, tuple(as_value(v) for v in getattr(self, name)))
 
     @classmethod
     def defaults(cls) -> dict[str, float]:
@@ -109,6 +113,11 @@ class Solid:
         if all(v.constant for v in values):
             self._par = out
         return out
+
+    def vector(self, name: str, pts: Points) -> Floats:
+        """A parameter of several numbers as (1|n, k)."""
+        cols = np.broadcast_arrays(*(v(pts.t, pts.X, pts.e) for v in getattr(self, name)))
+        return np.stack(cols, axis=-1)
 
     def density(self, pts: Points) -> Floats:
         """Referential mass density (1|n,)."""

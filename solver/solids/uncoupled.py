@@ -36,7 +36,8 @@ VOLUMETRIC: tuple[Law, ...] = (
 
 
 @kernel
-def _add_volumetric(J, p, pJ, s, c):
+def add_volumetric(J, p, pJ, s, c):
+    """Add p I and (p + J dp/dJ) I dyad I - 2 p I circle I; ``p`` and ``pJ`` (n,)."""
     for i in range(len(J)):
         for a in range(3):
             s[i, a] += p[i]
@@ -85,7 +86,7 @@ class Uncoupled(Solid):
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         self.dev(pts, s, c)
-        _add_volumetric(pts.J, self.pressure(pts.J, pts), self.bulk(pts.J, pts), s, wanted(c))
+        add_volumetric(pts.J, self.pressure(pts.J, pts), self.bulk(pts.J, pts), s, wanted(c))
 
     def energy(self, pts: Points) -> Floats:
         return self.dev_energy(pts) + self.volumetric(pts.J, pts)

@@ -98,7 +98,8 @@ def check_tangent_is_derivative_of_stress(solid, make, F, rtol=1e-6, h=1e-5):
     solid.stress(pts, s, c)
     np.testing.assert_allclose(s, stress_of(solid, make(F)), rtol=1e-12, atol=1e-12 * np.abs(s).max())
     D = numerical_tangent(solid, make, F, h)
-    np.testing.assert_allclose(full4(c), D, atol=rtol * np.abs(D).max(), rtol=0)
+    scale = max(np.abs(D).max(), np.abs(s).max())
+    np.testing.assert_allclose(full4(c), D, atol=rtol * scale, rtol=0)
     if solid.symmetric:
         np.testing.assert_allclose(c, np.swapaxes(c, 1, 2), atol=1e-11 * np.abs(c).max())
 

@@ -1,0 +1,81 @@
+"""Isotropic solids whose energy is a formula of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..points import Points
+from .base import Floats, Property
+from .hyperelastic import Hyperelastic, UncoupledHyperelastic, columns
+from .registry import register
+
+#: W of a dict of arrays: I1, I2, J, X, Y, Z
+Formula = Callable[[dict[str, Floats]], Floats]
+_STEP = 2e-4  # relative; sixth-order differences
+
+
+def _derivatives(W: Formula, at: dict[str, Floats], names: tuple[str, ...]) -> dict[str, Floats]:
+    """First and second derivatives of W by ``names``, keyed "I1" or "I1I2"."""
+
+    def shifted(**shift: Floats) -> Floats:
+        return np.asarray(W({**at, **{k: at[k] + v for k, v in shift.items()}}), dtype=float)
+
+    out: dict[str, Floats] = {}
+    zero = shifted()
+    for a in names:
+        h = _STEP * np.maximum(np.abs(at[a]), 1.0)
+        w = {k: shifted(**{a: k * h}) for k in (-3, -2, -1, 1, 2, 3)}
+        out[a] = (45 * (w[1] - w[-1]) - 9 * (w[2] - w[-2]) + (w[3] - w[-3])) / (60 * h)
+        second = 270 * (w[1] + w[-1]) - 27 * (w[2] + w[-2]) + 2 * (w[3] + w[-3]) - 490 * zero
+        out[a + a] = second / (180 * h**2)
+    a, b = names[:2]
+    h, k = (20 * _STEP * np.maximum(np.abs(at[x]), 1.0) for x in (a, b))
+
+    def cross(m: float) -> Floats:
+        corners = [shifted(**{a: p * m * h, b: q * m * k}) * p * q for p in (-1, 1) for q in (-1, 1)]
+        return sum(corners) / (4 * m * m * h * k)  # type: ignore[return-value]
+
+    out[a + b] = (4 * cross(0.5) - cross(1.0)) / 3
+    return out
+
+
+def _places(pts: Points) -> dict[str, Floats]:
+    return {"X": pts.X[:, 0], "Y": pts.X[:, 1], "Z": pts.X[:, 2]}
+
+
+@dataclass(eq=False)
+class FormulaHyperelastic(Hyperelastic):
+    """W(I1, I2, J, X, Y, Z)."""
+
+    W: Formula | None = None
+    properties = {"W": Property("formula")}
+
+    def derivatives(self, pts: Points, I1: Floats, I2: Floats, J: Floats) -> Floats:
+        at = {"I1": I1, "I2": I2, "J": J, **_places(pts)}
+        d = _derivatives(self.W, at, ("I1", "I2", "J"))  # type: ignore[arg-type]
+        return columns(pts, d["I1"], d["I2"], d["I1I1"], d["I1I2"], d["I2I2"], d["J"], d["JJ"])
+
+    def potential(self, pts: Points, I1: Floats, I2: Floats, J: Floats) -> Floats:
+        return self.W({"I1": I1, "I2": I2, "J": J, **_places(pts)})  # type: ignore[misc]
+
+
+@dataclass(eq=False)
+class FormulaHyperelasticUncoupled(UncoupledHyperelastic):
+    """W~(I1~, I2~, X, Y, Z)."""
+
+    W: Formula | None = None
+    properties = {"W": Property("formula")}
+
+    def derivatives(self, pts: Points, I1: Floats, I2: Floats) -> Floats:
+        d = _derivatives(self.W, {"I1": I1, "I2": I2, **_places(pts)}, ("I1", "I2"))  # type: ignore[arg-type]
+        return columns(pts, d["I1"], d["I2"], d["I1I1"], d["I1I2"], d["I2I2"])
+
+    def potential(self, pts: Points, I1: Floats, I2: Floats) -> Floats:
+        return self.W({"I1": I1, "I2": I2, **_places(pts)})  # type: ignore[misc]
+
+
+register(FormulaHyperelastic, "hyperelastic")
+register(FormulaHyperelasticUncoupled, "uncoupled hyperelastic")

@@ -1,0 +1,110 @@
+"""Holzapfel-Gasser-Ogden arterial walls: two families of dispersed fibers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..points import Points
+from ..values import as_value
+from .base import Floats, Number, Solid, wanted
+from .registry import register
+from .secant import central_tangent
+from .uncoupled import Uncoupled, add_volumetric
+from .voigt import deviator, vector
+
+
+@dataclass(eq=False)
+class _Wall(Solid):
+    c: Number = 0.0
+    k1: Number = 0.0
+    k2: Number = 0.0
+    kappa: Number = 0.0
+    gamma: Number = 0.0
+    parameters = ("c", "k1", "k2", "kappa", "gamma")
+    iso = False
+
+    def _families(self, pts: Points) -> tuple[Floats, list[Floats], Floats]:
+        """F (or F~), the two reference directions (1|n, 3) and tr C."""
+        F = pts.F * pts.J[:, None, None] ** (-1.0 / 3.0) if self.iso else pts.F
+        g = np.radians(self.par(pts)[:, 4])[:, None]
+        Q = self.inner(pts).Q
+        Q = np.eye(3)[None] if Q is None else Q
+        a = [Q[:, :, 0] * np.cos(g) + sign * Q[:, :, 1] * np.sin(g) for sign in (1.0, -1.0)]
+        return F, a, (F**2).sum((1, 2))
+
+    def _wall(self, pts: Points) -> Floats:
+        """Kirchhoff stress of matrix and fibers (n, 3, 3)."""
+        c, k1, k2, kappa, _ = self.par(pts).T[:, :, None, None]
+        F, directions, I1 = self._families(pts)
+        b = F @ np.swapaxes(F, 1, 2)
+        s = c * b
+        for a0 in directions:
+            a = np.einsum("nij,nj->ni", F, np.broadcast_to(a0, (pts.n, 3)))
+            E = kappa * (I1[:, None, None] - 3) + (1 - 3 * kappa) * ((a**2).sum(1)[:, None, None] - 1)
+            h = kappa * b + (1 - 3 * kappa) * a[:, :, None] * a[:, None, :]
+            s = s + np.where(E >= 0, 2.0 * k1 * E * np.exp(k2 * E * E), 0.0) * h
+        return s
+
+    def _wall_energy(self, pts: Points) -> Floats:
+        c, k1, k2, kappa, _ = self.par(pts).T
+        F, directions, I1 = self._families(pts)
+        W = 0.5 * c * (I1 - 3)
+        for a0 in directions:
+            I4 = (np.einsum("nij,nj->ni", F, np.broadcast_to(a0, (pts.n, 3))) ** 2).sum(1)
+            E = np.maximum(kappa * (I1 - 3) + (1 - 3 * kappa) * (I4 - 1), 0.0)
+            W = W + 0.5 * k1 / k2 * np.expm1(k2 * E * E)
+        return W
+
+
+@dataclass(eq=False)
+class HolzapfelGasserOgden(_Wall, Uncoupled):
+    """W~ = c (I1~ - 3)/2 + k1/(2 k2) sum_a (exp[k2 E_a^2] - 1), E_a = kappa (I1~ - 3) + (1 - 3 kappa)(I4a~ - 1).
+
+    Gasser, Ogden & Holzapfel, J. R. Soc. Interface 3 (2006) 15.
+    """
+
+    pressure_model: int = field(default=3, kw_only=True)
+    iso = True
+
+    def _cauchy(self, pts: Points) -> Floats:
+        return vector(deviator(self._wall(pts)) / pts.J[:, None, None])
+
+    def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        s += self._cauchy(pts)
+        if c is not None:
+            c += central_tangent(self._cauchy, pts)
+
+    def dev_energy(self, pts: Points) -> Floats:
+        return self._wall_energy(pts)
+
+    stress = Uncoupled.stress
+    energy = Uncoupled.energy
+
+
+@dataclass(eq=False)
+class HolzapfelUnconstrained(_Wall):
+    """W = c (I1 - 3 - 2 ln J)/2 + k (J^2 - 1 - 2 ln J)/4 and the fibers of the wall in the whole stretch."""
+
+    k: Number = field(default=0.0, kw_only=True)
+
+    def _cauchy(self, pts: Points) -> Floats:
+        return vector(self._wall(pts) / pts.J[:, None, None])
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        s += self._cauchy(pts)
+        if c is not None:
+            c += central_tangent(self._cauchy, pts)
+        k, c0, J = as_value(self.k)(pts.t, pts.X, pts.e), self.par(pts)[:, 0], pts.J
+        p = 0.5 * k * (J - 1.0 / J) - c0 / J
+        add_volumetric(J, p, 0.5 * k * (1.0 + 1.0 / J**2) + c0 / J**2, s, wanted(c))
+
+    def energy(self, pts: Points) -> Floats:
+        k, J = as_value(self.k)(pts.t, pts.X, pts.e), pts.J
+        lnJ = np.log(J)
+        return self._wall_energy(pts) - self.par(pts)[:, 0] * lnJ + 0.25 * k * (J**2 - 1.0 - 2.0 * lnJ)
+
+
+register(HolzapfelGasserOgden, "Holzapfel-Gasser-Ogden")
+register(HolzapfelUnconstrained, "HGO unconstrained")

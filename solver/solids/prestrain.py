@@ -1,0 +1,107 @@
+"""Solids that are strained in the reference configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..points import Points
+from ..values import as_value
+from .base import Floats, Number, Property, Solid, deformed
+from .fiber import directions
+from .registry import register
+from .uncoupled import Uncoupled, distortional, distortional_energy
+
+
+@dataclass(eq=False)
+class _Prestrained:
+    elastic: Solid | None = None
+    prestrain: Any = None
+    properties = {
+        "elastic": Property("solid"),
+        "prestrain": Property("prestrain", optional=True),
+    }
+
+    def __post_init__(self) -> None:
+        super().__post_init__()  # type: ignore[misc]
+        if self.prestrain is not None:
+            self.prestrain.solid = self.elastic
+
+    def _state(self, pts: Points) -> Points:
+        """The points with F F0."""
+        within = self.inner(pts)  # type: ignore[attr-defined]
+        if self.prestrain is None:
+            return within  # type: ignore[no-any-return]
+        return deformed(within, within.F @ self.prestrain.gradient(within))
+
+    def density(self, pts: Points) -> Floats:
+        rho = as_value(self.density_)(pts.t, pts.X, pts.e)  # type: ignore[attr-defined]
+        if self.prestrain is None:
+            return rho
+        return rho / np.linalg.det(self.prestrain.gradient(self.inner(pts)))  # type: ignore[attr-defined]
+
+
+@dataclass(eq=False)
+class Prestrained(_Prestrained, Solid):
+    """sigma = sigma_0(F F0). Maas et al., J. Mech. Behav. Biomed. Mater. 61 (2016) 499."""
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        self.elastic.stress(self._state(pts), s, c)  # type: ignore[union-attr]
+
+    def energy(self, pts: Points) -> Floats:
+        return self.elastic.energy(self._state(pts))  # type: ignore[union-attr]
+
+
+@dataclass(eq=False)
+class PrestrainedUncoupled(_Prestrained, Uncoupled):
+    """The distortional stress of F F0; the volumetric part sees F."""
+
+    def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        distortional(self.elastic)(self._state(pts), s, c)  # type: ignore[arg-type]
+
+    def dev_energy(self, pts: Points) -> Floats:
+        return distortional_energy(self.elastic, self._state(pts))  # type: ignore[arg-type]
+
+
+@dataclass(eq=False)
+class PrestrainGradient:
+    """F0(t) = (1 - ramp) I + ramp F0; ``F0`` is called with points and gives (1|n, 3, 3), or is one matrix."""
+
+    ramp: Number = 1.0
+    F0: Any = None
+    parameters = ("ramp",)
+    options = ()
+    properties = {"F0": Property("matrix", default="const")}
+    solid: Any = None
+
+    def gradient(self, pts: Points) -> Floats:
+        ramp = as_value(self.ramp)(pts.t, pts.X, pts.e)[:, None, None]
+        F0 = np.eye(3)[None] if self.F0 is None else self.F0
+        F0 = np.asarray(F0(pts) if callable(F0) else F0, dtype=float).reshape(-1, 3, 3)
+        return (1.0 - ramp) * np.eye(3) + ramp * F0
+
+
+@dataclass(eq=False)
+class InSituStretch:
+    """F0 = l n dyad n + (I - n dyad n) l^-1/2 along the fiber n of the elastic solid (no l^-1/2 if not isochoric)."""
+
+    stretch: Number = 1.0
+    isochoric: int = 1
+    parameters = ("stretch",)
+    options = ("isochoric",)
+    properties = {}
+    solid: Any = None
+
+    def gradient(self, pts: Points) -> Floats:
+        l = as_value(self.stretch)(pts.t, pts.X, pts.e)[:, None, None]
+        n = directions(self.solid.fiber, replace(pts))
+        A = n[:, :, None] * n[:, None, :]
+        return l * A + (np.eye(3) - A) * (1.0 / np.sqrt(l) if self.isochoric else 1.0)
+
+
+register(Prestrained, "prestrain elastic")
+register(PrestrainedUncoupled, "uncoupled prestrain elastic")
+register(PrestrainGradient, "prestrain gradient", "prestrain")
+register(InSituStretch, "in-situ stretch", "prestrain")

@@ -1,0 +1,311 @@
+"""One example of every solid of the table, with the laws it is known to break and why."""
+
+from __future__ import annotations
+
+import numpy as np
+from febkit.solver.solids.registry import load
+
+
+def direction(pts):
+    return np.array([[1.0, 2.0, -0.5]])
+
+
+def solid(name, **kw):
+    return load("solid", name)(**kw)
+
+
+def of(table, name, **kw):
+    return load(table, name)(**kw)
+
+
+def neo_hookean():
+    return solid("neo-Hookean", E=2.0, v=0.3)
+
+
+def mooney_rivlin():
+    return solid("Mooney-Rivlin", c1=1.0, c2=0.2)
+
+
+def curve(x):
+    return 0.5 + x
+
+
+class Response:
+    points = ((0.03, 0.05), (0.1, 0.09), (0.3, 0.12))
+
+
+_EXP = dict(c3=0.3, c4=4.0, c5=2.0)
+_ENG = dict(E1=1.0, E2=2.0, E3=3.0, G12=0.5, G23=0.7, G31=0.9, v12=0.2, v23=0.1, v31=0.15)
+_CLE = dict(lp11=3.0, lp22=4.0, lp33=5.0, lm11=1.0, lm22=1.2, lm33=1.4, l12=0.3, l23=0.2, l31=0.1)
+_HISTORY = "its tangent leaves out how history changes"
+_SECANT = "its tangent is by forward differences"
+_GROWTH = "its tangent leaves out the growth of damage"
+
+SIMPLE = {
+    "neo-Hookean": dict(E=2.0, v=0.3),
+    "isotropic elastic": dict(E=2.0, v=0.3),
+    "St.Venant-Kirchhoff": dict(E=2.0, v=0.3),
+    "natural neo-Hookean": dict(E=2.0, v=0.3),
+    "isotropic Hencky": dict(E=2.0, v=0.3),
+    "Holmes-Mow": dict(E=2.0, v=0.3, beta=0.4),
+    "porous neo-Hookean": dict(E=2.0, phi0=0.2),
+    "coupled Mooney-Rivlin": dict(c1=1.0, c2=0.3, k=5.0),
+    "coupled Veronda-Westmann": dict(c1=1.0, c2=0.8, k=5.0),
+    "Ogden unconstrained": dict(cp=3.0, c1=1.0, m1=2.3, c2=0.4, m2=-1.7),
+    "trace-free neo-Hookean": dict(mu=1.3),
+    "Arruda-Boyce unconstrained": dict(ksi=1.0, N=6.0, kappa=3.0),
+    "compressible Gent": dict(G=1.0, K=4.0, Jm=9.0),
+    "Mooney-Rivlin": dict(c1=1.0, c2=0.3, k=50.0),
+    "Veronda-Westmann": dict(c1=1.0, c2=0.8, k=50.0),
+    "Ogden": dict(c1=1.0, m1=2.3, c2=0.4, m2=-1.7, k=20.0),
+    "Arruda-Boyce": dict(mu=1.0, N=4.0, k=20.0),
+    "Yeoh": dict(c1=1.0, c2=0.4, c3=0.2, k=20.0),
+    "Gent": dict(G=1.0, Jm=9.0, k=20.0),
+    "incomp neo-Hookean": dict(G=1.0, k=20.0),
+    "uncoupled Holmes-Mow": dict(mu=1.0, beta=0.7, k=20.0),
+    "trans iso Mooney-Rivlin": dict(c1=1.0, c2=0.3, k=50.0, **_EXP, lam_max=1.05, fiber=direction),
+    "trans iso Veronda-Westmann": dict(c1=1.0, c2=0.3, k=50.0, **_EXP, lam_max=1.05, fiber=direction),
+    "coupled trans-iso Mooney-Rivlin": dict(c1=1.0, c2=0.3, k=5.0, **_EXP, lam_max=1.05, fiber=direction),
+    "coupled trans-iso Veronda-Westmann": dict(c1=1.0, c2=0.3, k=5.0, **_EXP, lambda_=1.05, fiber=direction),
+    "2D trans iso Mooney-Rivlin": dict(c1=1.0, c2=0.3, k=5.0, **_EXP, lam_max=1.05, w=(1, 2), fiber=direction),
+    "Mooney-Rivlin von Mises Fibers": dict(c1=1.0, c2=0.3, k=5.0, **_EXP, lam_max=1.05, kf=2.0, tp=0.4, vmc=2),
+    "TC nonlinear orthotropic": dict(c1=1.0, c2=0.3, k=5.0, beta=(3, 4, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "orthotropic elastic": _ENG,
+    "Fung orthotropic": dict(**_ENG, c=1.5, k=10.0),
+    "Fung-ortho-compressible": dict(**_ENG, c=1.5, k=3.0),
+    "orthotropic CLE": dict(**_CLE, mu1=0.5, mu2=0.6, mu3=0.7),
+    "cubic CLE": dict(lp1=3.0, lm1=1.0, l2=0.4, mu=0.5),
+    "Shenoy": dict(mu=1.0, k=3.0, Ef=2.0, lam_c=1.1, lam_t=0.2),
+    "Holzapfel-Gasser-Ogden": dict(c=1.0, k1=2.0, k2=0.7, kappa=0.1, gamma=35.0, k=20.0),
+    "HGO unconstrained": dict(c=1.0, k1=2.0, k2=0.7, kappa=0.1, gamma=35.0, k=20.0),
+    "muscle material": dict(
+        g1=0.5, g2=0.5, g3=0.1, p1=0.05, p2=6.6, Lofl=1.07, smax=3.0, lam_max=1.4, activation=0.7, k=20.0,
+        fiber=direction,
+    ),  # fmt: skip
+    "tendon material": dict(g1=0.5, g2=0.5, l1=0.3, l2=4.0, lam_max=1.1, k=20.0, fiber=direction),
+    "PRLig": dict(c1=1.0, c2=4.0, mu=1.0, v0=0.4, m=0.8, k=2.0),
+    "fiber-exp-pow": dict(alpha=0.5, beta=2.5, ksi=2.0, mu=0.7, lam0=1.0, fiber=direction),
+    "fiber-exponential-power-law": dict(alpha=0.5, beta=2.5, ksi=2.0, fiber=direction),
+    "fiber-exp-pow-uncoupled": dict(alpha=0.5, beta=2.5, ksi=2.0, mu=0.7, k=10.0, fiber=direction),
+    "fiber-pow-linear": dict(E=3.0, lam0=1.05, beta=3.0, fiber=direction),
+    "fiber-pow-linear-uncoupled": dict(E=3.0, lam0=1.05, beta=3.0, fiber=direction, k=4.0),
+    "fiber-exp-pow-linear": dict(E=3.0, lam0=1.05, beta=3.0, alpha=0.4, fiber=direction),
+    "fiber-exp-linear": dict(c3=3.0, c4=4.0, c5=20.0, lambda_=1.05, fiber=direction),
+    "uncoupled fiber-exp-linear": dict(c3=3.0, c4=4.0, c5=20.0, lambda_=1.05, fiber=direction, k=4.0),
+    "fiber-NH": dict(mu=2.0, fiber=direction),
+    "fiber-NH-uncoupled": dict(mu=2.0, fiber=direction, k=4.0),
+    "fiber-pow": dict(ksi=2.0, beta=3.0, fiber=direction),
+    "fiber-natural-NH": dict(ksi=2.0, lam0=1.02, fiber=direction),
+    "fiber-entropy-chain": dict(ksi=2.0, N=4.0, mu=0.3, fiber=direction),
+    "uncoupled fiber-entropy-chain": dict(ksi=2.0, N=4.0, fiber=direction, k=4.0),
+    "fiber-Kiousis-uncoupled": dict(d1=2.0, d2=1.02, n=3.0, fiber=direction, k=4.0),
+    "ellipsoidal fiber distribution": dict(beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "ellipsoidal fiber distribution (old)": dict(beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD neo-Hookean": dict(E=1.0, v=0.3, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD neo-Hookean (new)": dict(E=1.0, v=0.3, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD uncoupled": dict(k=5.0, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD Mooney-Rivlin": dict(c1=1.0, c2=0.1, k=5.0, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD Veronda-Westmann": dict(c1=1.0, c2=0.5, k=5.0, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)),
+    "EFD Donnan equilibrium": dict(
+        phiw0=0.8, cF0=0.2, bosm=0.3, R=8.3, T=0.3, beta=(2.5, 3.0, 3.5), ksi=(1.0, 2.0, 3.0)
+    ),
+    "perfect osmometer": dict(phiw0=0.8, iosm=0.3, bosm=0.2, R=8.3, T=0.3),
+    "cell growth": dict(phir=0.3, cr=0.2, ce=0.3, R=8.3, T=0.3),
+    "Donnan equilibrium": dict(phiw0=0.8, cF0=0.2, bosm=0.3, R=8.3, T=0.3),
+    "prescribed uniaxial active contraction": dict(T0=1.5),
+    "prescribed trans iso active contraction": dict(T0=1.5),
+    "prescribed isotropic active contraction": dict(T0=1.5),
+    "prescribed fiber active contraction": dict(T0=1.5, fiber=direction),
+    "uncoupled prescribed uniaxial active contraction": dict(T0=1.5, k=4.0),
+    "uncoupled prescribed trans iso active contraction": dict(T0=1.5, k=4.0),
+    "uncoupled prescribed isotropic active contraction": dict(T0=1.5, k=4.0),
+    "uncoupled prescribed fiber active contraction": dict(T0=1.5, k=4.0, fiber=direction),
+    "Newtonian viscous solid": dict(kappa=1.0, mu=0.5),
+    "Newtonian viscous solid uncoupled": dict(kappa=1.0, mu=0.5, k=3.0),
+}
+
+
+def _cdf():
+    return of("cdf", "CDF Weibull", alpha=2.0, mu=0.5)
+
+
+def _plastic(name, **kw):
+    return solid(
+        name,
+        elastic=neo_hookean(),
+        yield_criterion=of("criterion", "DC von Mises stress"),
+        flow_curve=of("flow_curve", "PFC paper", Y0=0.05, Ymax=0.15, w0=0.4, we=0.1, nf=5, r=0.9),
+        **kw,
+    )
+
+
+def _distribution(name, fiber, **kw):
+    return solid(
+        name,
+        fibers=of("fiber", fiber, alpha=0.5, beta=3.0, ksi=2.0),
+        distribution=of("distribution", "von-Mises-3d", b=2.0),
+        scheme=of("scheme", "fibers-3d-geodesic", resolution=0),
+        **kw,
+    )
+
+
+def _reactive(name, part, **kw):
+    return solid(
+        name, elastic=part(), bond=part(), relaxation=of("relaxation", "relaxation-exponential", tau=0.5), **kw
+    )
+
+
+def _damaged(name="elastic damage", part=neo_hookean, **kw):
+    return solid(name, elastic=part(), damage=_cdf(), criterion=of("criterion", "DC Simo"), **kw)
+
+
+def _w(v):
+    return 0.4 * (v["I1"] - 3) + 0.1 * (v["I2"] - 3) + 0.3 * (v["I1"] - 3) ** 2 - 1.2 * np.log(v["J"]) + 2 * (
+        v["J"] - 1
+    ) ** 2
+
+
+def _w_uncoupled(v):
+    return 0.4 * (v["I1"] - 3) + 0.1 * (v["I2"] - 3) + 0.3 * (v["I1"] - 3) * (v["I2"] - 3)
+
+
+COMPOSITE = {
+    "solid mixture": lambda: solid(
+        "solid mixture", solid=(neo_hookean(), solid("fiber-exp-pow", beta=2.5, ksi=2.0, fiber=direction))
+    ),
+    "uncoupled solid mixture": lambda: solid(
+        "uncoupled solid mixture",
+        k=20.0,
+        solid=(mooney_rivlin(), solid("fiber-exp-pow-uncoupled", beta=2.5, ksi=2.0, fiber=direction)),
+    ),
+    "scaled elastic": lambda: solid("scaled elastic", solid=neo_hookean(), scale=0.4),
+    "scaled uncoupled": lambda: solid("scaled uncoupled", solid=mooney_rivlin(), scale=0.4, k=3.0),
+    "continuous fiber distribution": lambda: _distribution("continuous fiber distribution", "fiber-exp-pow"),
+    "continuous fiber distribution uncoupled": lambda: _distribution(
+        "continuous fiber distribution uncoupled", "fiber-exp-pow-uncoupled", k=5.0
+    ),
+    "viscoelastic": lambda: solid("viscoelastic", elastic=neo_hookean(), g1=0.5, t1=0.4, g2=0.3, t2=2.0),
+    "uncoupled viscoelastic": lambda: solid(
+        "uncoupled viscoelastic", elastic=mooney_rivlin(), k=10.0, g1=0.5, t1=0.4
+    ),
+    "viscoelastic damage": lambda: solid("viscoelastic damage", elastic=_damaged(), g1=0.5, t1=0.4),
+    "uncoupled viscoelastic damage": lambda: solid(
+        "uncoupled viscoelastic damage",
+        elastic=_damaged("uncoupled elastic damage", mooney_rivlin),
+        g1=0.5,
+        t1=0.4,
+        k=5.0,
+    ),
+    "reactive viscoelastic": lambda: _reactive("reactive viscoelastic", neo_hookean),
+    "uncoupled reactive viscoelastic": lambda: _reactive("uncoupled reactive viscoelastic", mooney_rivlin, k=9.0),
+    "reactive viscoelastic damage": lambda: solid(
+        "reactive viscoelastic damage",
+        viscoelastic=_reactive("reactive viscoelastic", neo_hookean),
+        damage=_cdf(),
+        criterion=of("criterion", "DC Simo"),
+    ),
+    "elastic damage": _damaged,
+    "uncoupled elastic damage": lambda: _damaged("uncoupled elastic damage", mooney_rivlin, k=5.0),
+    "reactive plasticity": lambda: _plastic("reactive plasticity"),
+    "reactive plastic damage": lambda: _plastic(
+        "reactive plastic damage",
+        plastic_damage=_cdf(),
+        plastic_damage_criterion=of("criterion", "DC octahedral shear strain"),
+    ),
+    "kinematic growth": lambda: solid(
+        "kinematic growth",
+        elastic=neo_hookean(),
+        growth=of("growth", "fiber growth", multiplier=1.3, fiber=direction),
+    ),
+    "prestrain elastic": lambda: solid(
+        "prestrain elastic",
+        elastic=solid("fiber-exp-linear", c3=1.0, c4=4.0, c5=2.0, lambda_=1.5, fiber=direction),
+        prestrain=of("prestrain", "in-situ stretch", stretch=1.1),
+    ),
+    "uncoupled prestrain elastic": lambda: solid(
+        "uncoupled prestrain elastic",
+        elastic=mooney_rivlin(),
+        k=4.0,
+        prestrain=of("prestrain", "prestrain gradient", F0=np.diag([1.1, 0.95, 1.0])),
+    ),
+    "generation": lambda: solid_generation(0.0),
+    "multigeneration": lambda: solid(
+        "multigeneration", generation=(solid_generation(0.0), solid_generation(0.5))
+    ),
+    "fiber-CDF": lambda: solid("fiber-CDF", E=2.0, cdf_=_cdf(), fiber=direction),
+    "fiber-CDF-uncoupled": lambda: solid("fiber-CDF-uncoupled", E=2.0, cdf_=_cdf(), fiber=direction, k=3.0),
+    "hyperelastic": lambda: solid("hyperelastic", W=_w),
+    "uncoupled hyperelastic": lambda: solid("uncoupled hyperelastic", W=_w_uncoupled, k=5.0),
+}
+
+
+def solid_generation(start):
+    return of("generation", "generation", start_time=start, solid=neo_hookean())
+
+
+def example(name):
+    """An example of the solid ``name``."""
+    return COMPOSITE[name]() if name in COMPOSITE else solid(name, **SIMPLE[name])
+
+
+#: energies that do not belong to the stress, in FEBio either, or are of dissipative laws
+NO_ENERGY_LAW = {
+    "Yeoh": "its stress takes sum c_i (I1 - 3)^(i - 1) for the derivative of its energy",
+    "Shenoy": "it has no energy",
+    "muscle material": "it has no energy",
+    "tendon material": "it has no energy",
+    "EFD Donnan equilibrium": "osmotic",
+    "perfect osmometer": "osmotic",
+    "cell growth": "osmotic",
+    "Donnan equilibrium": "osmotic",
+    "Newtonian viscous solid": "viscous",
+    "Newtonian viscous solid uncoupled": "viscous",
+    "viscoelastic": "viscous",
+    "uncoupled viscoelastic": "viscous",
+    "viscoelastic damage": "viscous",
+    "uncoupled viscoelastic damage": "viscous",
+    "reactive viscoelastic": "viscous",
+    "uncoupled reactive viscoelastic": "viscous",
+    "reactive viscoelastic damage": "viscous",
+    "elastic damage": "damage grows",
+    "uncoupled elastic damage": "damage grows",
+    "reactive plasticity": "plastic",
+    "reactive plastic damage": "plastic",
+    "kinematic growth": "the energy is per grown volume",
+    "prestrain elastic": "the energy is per strained volume",
+    "uncoupled prestrain elastic": "the energy is per strained volume",
+    "fiber-CDF": "its stress is (In - 1) times the derivative of its energy",
+    "fiber-CDF-uncoupled": "its stress is (In - 1) times the derivative of its energy",
+}
+
+#: tangents that are not the derivative of the stress
+NO_TANGENT_LAW = {
+    "Newtonian viscous solid": _HISTORY,
+    "Newtonian viscous solid uncoupled": _HISTORY,
+    "viscoelastic damage": _GROWTH,
+    "uncoupled viscoelastic damage": _GROWTH,
+    "reactive viscoelastic damage": _GROWTH,
+    "elastic damage": _GROWTH,
+    "uncoupled elastic damage": _GROWTH,
+    "reactive plasticity": _SECANT,
+    "reactive plastic damage": _SECANT,
+    "fiber-CDF": _HISTORY,
+    "fiber-CDF-uncoupled": _HISTORY,
+}
+
+#: stressed in the reference configuration
+STRESSED_AT_REST = {
+    "compressible Gent",
+    "coupled Veronda-Westmann",
+    "coupled trans-iso Veronda-Westmann",
+    "EFD Donnan equilibrium",
+    "perfect osmometer",
+    "cell growth",
+    "Donnan equilibrium",
+    "kinematic growth",
+    "prestrain elastic",
+    "uncoupled prestrain elastic",
+    "muscle material",
+    "hyperelastic",
+    *(k for k in SIMPLE if "contraction" in k),
+}
