@@ -59,7 +59,7 @@ class Solid:
     parameters: ClassVar[tuple[str, ...]] = ()
     options: ClassVar[tuple[str, ...]] = ()
     properties: ClassVar[dict[str, Property]] = {}
-    vectors: ClassVar[dict[str, int]] = {}  # parameters of several numbers, and how many
+    vectors: ClassVar[dict[str, int]] = {}  # those parameters that hold several numbers, and how many
     constants: ClassVar[tuple[str, ...]] = ()  # fields the file gives under Globals (R, T)
     history: int = field(default=0, init=False, repr=False)  # columns of the node's own, children not counted
     symmetric: ClassVar[bool] = True  # the tangent has major symmetry
@@ -71,16 +71,14 @@ class Solid:
 
     def __post_init__(self) -> None:
         for name in self.parameters:
-            setattr(self, name, as_value(getattr(self, name)))
-        for name in self.vectors:
-            setattr(self, name, tuple(as_value(v) for v in getattr(self, name)))
+            v = getattr(self, name)
+            setattr(self, name, tuple(as_value(x) for x in v) if name in self.vectors else as_value(v))
 
     @classmethod
-    def defaults(cls) -> dict[str, float]:
+    def defaults(cls) -> dict[str, Any]:
         """Parameters and options with the numbers taken where the file gives none."""
-        wanted = cls.parameters + cls.options
-        by_name = {f.name: f.default for f in fields(cls)}
-        return {n: float(by_name[n]) for n in wanted if by_name[n] is not MISSING}  # type: ignore[arg-type]
+        by_name: dict[str, Any] = {f.name: f.default for f in fields(cls)}
+        return {n: by_name[n] for n in cls.parameters + cls.options if by_name[n] is not MISSING}
 
     @property
     def children(self) -> Sequence[Solid]:
@@ -101,10 +99,10 @@ class Solid:
             yield from child.walk()
 
     def par(self, pts: Points) -> Floats:
-        """Parameters at the points: (1, k) where uniform, else (n, k), in the order of ``parameters``."""
+        """Scalar parameters at the points: (1, k) where uniform, else (n, k), in the order of ``parameters``."""
         if self._par is not None:
             return self._par
-        values: list[Value] = [getattr(self, p) for p in self.parameters]
+        values: list[Value] = [getattr(self, p) for p in self.parameters if p not in self.vectors]
         cols = [v(pts.t, pts.X, pts.e) for v in values]
         m = max((len(c) for c in cols), default=1)
         out = np.empty((m, len(cols)))

@@ -163,7 +163,7 @@ class User(DistributionFunction):
 
     cdf_: Callable[[Floats], Floats] | None = None
     parameters = ("Dmax",)
-    properties = {"cdf": Property("curve")}
+    properties = {"cdf_": Property("curve")}
 
     def cdf(self, pts: Points, X: Floats) -> Floats:
         return self.cdf_(X)  # type: ignore[misc]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from ..points import Points
 from ..values import as_value
 from .base import Floats, Number
 from .registry import register
+from .voigt import matrix
 
 
 @dataclass(eq=False)
@@ -18,6 +19,7 @@ class Distribution:
     """Density R(N) of unit vectors ``N`` (1|n, m, 3) in local axes, as (1|n, m)."""
 
     parameters = ()
+    vectors = {}
     options = ()
     properties = {}
 
@@ -46,8 +48,9 @@ class Circular(Spherical):
 class Ellipsoidal(Distribution):
     """R = (sum N_i^2 / spa_i^2)^-1/2."""
 
-    spa: Any = field(default=(1.0, 1.0, 1.0))  # three values
+    spa: Any = (1.0, 1.0, 1.0)
     parameters = ("spa",)
+    vectors = {"spa": 3}
 
     def __call__(self, pts: Points, N: Floats) -> Floats:
         a = [as_value(x)(pts.t, pts.X, pts.e)[:, None] for x in self.spa]
@@ -104,11 +107,12 @@ class StructureTensor(Distribution):
 
     spd: Any = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
     parameters = ("spd",)
+    vectors = {"spd": 6}
 
     def __call__(self, pts: Points, N: Floats) -> Floats:
-        xx, yy, zz, xy, yz, xz = np.asarray(self.spd, dtype=float)
-        M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return np.einsum("...i,ij,...j->...", N, M, N)
+        cols = np.broadcast_arrays(*(as_value(v)(pts.t, pts.X, pts.e) for v in self.spd))
+        M = matrix(np.stack(cols, axis=-1))
+        return np.einsum("nmi,nij,nmj->nm", N, M, N)
 
 
 register(Spherical, "spherical", "distribution")

@@ -42,6 +42,7 @@ class _Ellipsoidal(Solid):
 
     beta: Any = (2.0, 2.0, 2.0)
     ksi: Any = (0.0, 0.0, 0.0)
+    parameters = ("beta", "ksi")
     vectors = {"beta": 3, "ksi": 3}
     iso = False
     dome = False
@@ -104,7 +105,7 @@ class EllipsoidalNeoHookean(_Ellipsoidal):
 
     E: Number = 0.0
     v: Number = 0.0
-    parameters = ("E", "v")
+    parameters = ("E", "v", "beta", "ksi")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -147,7 +148,7 @@ class EllipsoidalMooneyRivlin(EllipsoidalFibersUncoupled):
 
     c1: Number = 0.0
     c2: Number = 0.0
-    parameters = ("c1", "c2")
+    parameters = ("c1", "c2", "beta", "ksi")
     matrix_type = MooneyRivlin
 
     def __post_init__(self) -> None:

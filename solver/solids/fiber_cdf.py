@@ -67,7 +67,7 @@ class FiberCDF(_Recruited, Fiber):
     E: Number = 0.0
     cdf_: Any = None
     parameters = ("E",)
-    properties = {**Fiber.properties, "cdf": Property("cdf")}
+    properties = {**Fiber.properties, "cdf_": Property("cdf")}
     history = 4
 
 
@@ -78,7 +78,7 @@ class FiberCDFUncoupled(_Recruited, UncoupledFiber):
     E: Number = 0.0
     cdf_: Any = None
     parameters = ("E",)
-    properties = {**UncoupledFiber.properties, "cdf": Property("cdf")}
+    properties = {**UncoupledFiber.properties, "cdf_": Property("cdf")}
     history = 4
 
 

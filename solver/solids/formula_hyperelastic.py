@@ -51,7 +51,7 @@ class FormulaHyperelastic(Hyperelastic):
     """W(I1, I2, J, X, Y, Z)."""
 
     W: Formula | None = None
-    properties = {"W": Property("formula")}
+    properties = {"W": Property("energy")}
 
     def derivatives(self, pts: Points, I1: Floats, I2: Floats, J: Floats) -> Floats:
         at = {"I1": I1, "I2": I2, "J": J, **_places(pts)}
@@ -67,7 +67,7 @@ class FormulaHyperelasticUncoupled(UncoupledHyperelastic):
     """W~(I1~, I2~, X, Y, Z)."""
 
     W: Formula | None = None
-    properties = {"W": Property("formula")}
+    properties = {"W": Property("energy")}
 
     def derivatives(self, pts: Points, I1: Floats, I2: Floats) -> Floats:
         d = _derivatives(self.W, {"I1": I1, "I2": I2, **_places(pts)}, ("I1", "I2"))  # type: ignore[arg-type]

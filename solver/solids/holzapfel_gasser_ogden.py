@@ -36,7 +36,7 @@ class _Wall(Solid):
 
     def _wall(self, pts: Points) -> Floats:
         """Kirchhoff stress of matrix and fibers (n, 3, 3)."""
-        c, k1, k2, kappa, _ = self.par(pts).T[:, :, None, None]
+        c, k1, k2, kappa = self.par(pts).T[:4, :, None, None]
         F, directions, I1 = self._families(pts)
         b = F @ np.swapaxes(F, 1, 2)
         s = c * b
@@ -48,7 +48,7 @@ class _Wall(Solid):
         return s
 
     def _wall_energy(self, pts: Points) -> Floats:
-        c, k1, k2, kappa, _ = self.par(pts).T
+        c, k1, k2, kappa = self.par(pts).T[:4]
         F, directions, I1 = self._families(pts)
         W = 0.5 * c * (I1 - 3)
         for a0 in directions:
@@ -88,6 +88,7 @@ class HolzapfelUnconstrained(_Wall):
     """W = c (I1 - 3 - 2 ln J)/2 + k (J^2 - 1 - 2 ln J)/4 and the fibers of the wall in the whole stretch."""
 
     k: Number = field(default=0.0, kw_only=True)
+    parameters = (*_Wall.parameters, "k")
 
     def _cauchy(self, pts: Points) -> Floats:
         return vector(self._wall(pts) / pts.J[:, None, None])

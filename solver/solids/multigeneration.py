@@ -37,7 +37,7 @@ class Multigeneration(Solid):
     """
 
     generation: tuple[Generation, ...] = ()
-    properties = {"generation": Property("generation", many=True)}
+    properties = {"generation": Property("generation", many=True, default="generation")}
     history: int = field(default=0, init=False, repr=False)
 
     def __post_init__(self) -> None:

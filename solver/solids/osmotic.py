@@ -94,7 +94,7 @@ class EllipsoidalDonnan(EllipsoidalFibers):
     Phi: Number = 1.0
     R: float = field(default=0.0, kw_only=True)
     T: float = field(default=0.0, kw_only=True)
-    parameters = ("phiw0", "cF0", "bosm", "Phi")
+    parameters = ("phiw0", "cF0", "bosm", "Phi", "beta", "ksi")
     constants = ("R", "T")
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:

@@ -66,7 +66,7 @@ class PlanarFibers(_Planar):
     w: Any = (1.0, 1.0)
     a: Any = (1.0, 1.0)
     fiber: Any = field(default=None, kw_only=True)
-    parameters = ("c1", "c2", "c3", "c4", "c5", "lam_max", "active_contraction")
+    parameters = ("c1", "c2", "c3", "c4", "c5", "lam_max", "active_contraction", "w", "a")
     vectors = {"w": 2, "a": 2}
     properties = {"fiber": Property("direction", default="vector")}
 

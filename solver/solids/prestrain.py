@@ -67,19 +67,25 @@ class PrestrainedUncoupled(_Prestrained, Uncoupled):
 
 @dataclass(eq=False)
 class PrestrainGradient:
-    """F0(t) = (1 - ramp) I + ramp F0; ``F0`` is called with points and gives (1|n, 3, 3), or is one matrix."""
+    """F0(t) = (1 - ramp) I + ramp F0; ``F0`` is nine values by rows, or a function of points giving (1|n, 3, 3)."""
 
     ramp: Number = 1.0
-    F0: Any = None
-    parameters = ("ramp",)
+    F0: Any = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    parameters = ("ramp", "F0")
+    vectors = {"F0": 9}
     options = ()
-    properties = {"F0": Property("matrix", default="const")}
+    properties = {}
     solid: Any = None
 
     def gradient(self, pts: Points) -> Floats:
         ramp = as_value(self.ramp)(pts.t, pts.X, pts.e)[:, None, None]
-        F0 = np.eye(3)[None] if self.F0 is None else self.F0
-        F0 = np.asarray(F0(pts) if callable(F0) else F0, dtype=float).reshape(-1, 3, 3)
+        if callable(self.F0):
+            F0 = np.asarray(self.F0(pts), dtype=float)
+        else:
+            numbers = np.ravel(self.F0) if isinstance(self.F0, np.ndarray) else self.F0
+            cols = (as_value(v)(pts.t, pts.X, pts.e) for v in numbers)
+            F0 = np.stack(np.broadcast_arrays(*cols), axis=-1)
+        F0 = F0.reshape(-1, 3, 3)
         return (1.0 - ramp) * np.eye(3) + ramp * F0
 
 

@@ -24,7 +24,7 @@ class TCOrthotropic(Uncoupled):
     c2: Number = 0.0
     beta: Any = (0.0, 0.0, 0.0)
     ksi: Any = (0.0, 0.0, 0.0)
-    parameters = ("c1", "c2")
+    parameters = ("c1", "c2", "beta", "ksi")
     vectors = {"beta": 3, "ksi": 3}
 
     def _stretches(self, pts: Points) -> tuple[Floats, Floats]:
