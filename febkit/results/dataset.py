@@ -60,19 +60,13 @@ class FrameArray(BackendArray):
         times = np.arange(self.shape[0])[when]
         if whole:
             out = np.empty((len(times), *self.shape[1:]), self.dtype)
-            for row, t in zip(out, times):
-                self.frames.fill(int(t), row[...])
+            for k, t in enumerate(times):
+                self.frames.fill(int(t), out[k, ...])
             return out
-        parts = [self.frames.frame(int(t)) for t in times[:1]]
         pick = _outer(inner, self.shape[1:])
-        first = [p[pick] for p in parts]
-        if not first:
+        if not len(times):
             return np.empty((0, *np.empty(self.shape[1:], np.bool_)[pick].shape), self.dtype)
-        out = np.empty((len(times), *first[0].shape), self.dtype)
-        out[0] = first[0]
-        for row, t in zip(out[1:], times[1:]):
-            row[...] = self.frames.frame(int(t))[pick]
-        return out
+        return np.stack([self.frames.frame(int(t))[pick] for t in times]).astype(self.dtype, copy=False)
 
 
 def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:

@@ -42,7 +42,7 @@ def export(
     out = []
     for i, ds in enumerate(many):
         path = Path(target) if i == 0 else Path(target).with_stem(f"{Path(target).stem}_mesh{i + 1}")
-        kept = ds if variables is None else ds[list(variables)]
+        kept = ds if variables is None else ds.drop_vars([n for n in ds.data_vars if n not in variables])
         write(kept, path, **({"compress": int(bool(compress))} if b == ".nc" else {"compress": compress}))
         out.append(path)
     return out

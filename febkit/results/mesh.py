@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.model import InputError
+
 from .xplt.records import PlotDomain, PlotMesh, PlotSurface
 
 if TYPE_CHECKING:
@@ -42,8 +44,19 @@ class ResultMesh:
     surfaces: Mapping[str, np.ndarray]  # (facet, local) node indices padded with -1
 
 
+_NEEDED = ("node_id", "X", "element_id", "part", "element_type", "connectivity")
+
+
+def check(ds: xr.Dataset) -> None:
+    """Say so where a dataset has lost its mesh, as ds[["name"]] loses it."""
+    lost = [n for n in _NEEDED if n not in ds]
+    if lost:
+        raise InputError(f"the dataset has no {', '.join(lost)}: drop variables with drop_vars, which keeps the mesh")
+
+
 def of(ds: xr.Dataset) -> ResultMesh:
     """The mesh of a dataset that ``febkit.results.open`` made, or that was read back from NetCDF."""
+    check(ds)
     return ResultMesh(
         node_ids=ds["node_id"].values,
         X=ds["X"].values,
@@ -104,6 +117,7 @@ def _facets(ds: xr.Dataset, key: str) -> list[tuple[str, np.ndarray]]:
 
 def plot_mesh(ds: xr.Dataset) -> PlotMesh:
     """The mesh as a plotfile states it."""
+    check(ds)
     parts, sizes = texts(ds, "parts"), numbers(ds, "part_sizes")
     named = numbers(ds, "part_named") or [1] * len(parts)
     owners = numbers(ds, "part_materials") or list(range(1, len(parts) + 1))
