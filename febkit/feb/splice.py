@@ -17,7 +17,8 @@ from .document import Document, Tag
 from .serialize import attributes, tag_text
 
 _ORDER = ("Module", "Control", "Globals", "Material", "Mesh", "MeshDomains", "MeshData", "Initial",
-          "Boundary", "Rigid", "Loads", "Contact", "Constraints", "Discrete", "MeshAdaptor", "Step", "LoadData", "Output")
+          "Boundary", "Rigid", "Loads", "Contact", "Constraints", "Discrete", "MeshAdaptor", "Step",
+          "LoadData", "Output")
 _MESH = {"NodeSet": "node_sets", "Surface": "surfaces", "Edge": "edges", "ElementSet": "element_sets",
          "DiscreteSet": "discrete_sets", "SurfacePair": "surface_pairs", "PartList": "part_lists"}
 
@@ -302,7 +303,8 @@ def _mesh(s: Splice, root: Tag, old: Mesh, new: Mesh) -> None:
         return
     section = root.child("Mesh")
     made = emit.mesh_tag(new)
-    if section is None or (old.node_ids is not new.node_ids and not np.array_equal(old.node_ids, new.node_ids)):
+    renumbered = old.node_ids is not new.node_ids and not np.array_equal(old.node_ids, new.node_ids)
+    if section is None or renumbered:
         if section is not None:
             s.replace(section, made)
         else:

@@ -1,0 +1,133 @@
+"""Elements turned inside out or doubled, nodes that nothing uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from febkit.model import ElementBlock, Model, Where
+from febkit.model.mesh import Floats
+
+from .document import Document, Tag
+from .findings import Finding
+
+_G = 1.0 / np.sqrt(3.0)
+_HEX = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
+                 [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float)
+# corner nodes of the shapes whose volume is looked at, and whether the shape is its corners alone
+CORNERS = {"hex8": ("hex", 8, True), "hex20": ("hex", 8, False), "hex27": ("hex", 8, False),
+           "tet4": ("tet", 4, True), "tet5": ("tet", 4, True), "tet10": ("tet", 4, False),
+           "tet15": ("tet", 4, False), "tet20": ("tet", 4, False), "penta6": ("penta", 6, True),
+           "penta15": ("penta", 6, False)}
+
+
+def _hex_gradients() -> Floats:
+    """dN/dr (point, node, 3) at the 2x2x2 Gauss points."""
+    r = _HEX * _G
+    out = np.empty((8, 8, 3))
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        other = (1 + r[:, b, None] * _HEX[:, b]) * (1 + r[:, c, None] * _HEX[:, c])
+        out[:, :, a] = 0.125 * _HEX[:, a] * other
+    return out
+
+
+def _penta_gradients() -> Floats:
+    """dN/dr (point, node, 3) at three points of the triangle times two of the axis."""
+    out = []
+    for t in (-_G, _G):
+        for r, s in ((1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)):
+            low, high, third = (1 - t) / 2, (1 + t) / 2, 1 - r - s
+            out.append([[-low, -low, -third / 2], [low, 0, -r / 2], [0, low, -s / 2],
+                        [-high, -high, third / 2], [high, 0, r / 2], [0, high, s / 2]])
+    return np.array(out)
+
+
+_TET = np.array([[[-1, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]]], dtype=float)
+GRADIENTS = {"hex": _hex_gradients(), "penta": _penta_gradients(), "tet": _TET}
+
+
+def jacobians(block: ElementBlock, X: Floats) -> Floats | None:
+    """Least det(dX/dr) of each element over its Gauss points; None for shapes not looked at."""
+    found = CORNERS.get(block.type)
+    if found is None:
+        return None
+    shape, n, _ = found
+    out = np.full(len(block.conn), np.inf)
+    corners = X[block.conn[:, :n]]
+    for g in GRADIENTS[shape]:
+        J = np.einsum("eni,nj->eij", corners, g, optimize=True)
+        det = np.einsum("ei,ei->e", J[:, 0], np.cross(J[:, 1], J[:, 2]))
+        np.minimum(out, det, out=out)
+    return out
+
+
+def check(model: Model) -> Iterator[Finding]:
+    mesh = model.mesh
+    for b in mesh.blocks:
+        det = jacobians(b, mesh.X)
+        if det is None:
+            continue
+        bad = np.flatnonzero(det <= 0)
+        if len(bad):
+            exact = CORNERS[b.type][2]
+            yield Finding("error" if exact else "warning",
+                          f'part "{b.name}": {len(bad)} of {len(det)} elements are turned inside out or flat, '
+                          f"first element {b.ids[bad[0]]}", row_place(model, b, int(bad[0])))
+    yield from duplicates(model)
+    yield from unused(model)
+
+
+def row_place(model: Model, block: ElementBlock, row: int) -> Where:
+    """File and line of one element of a block."""
+    doc = model.document
+    if not isinstance(doc, Document) or block.where.line == 0 or doc.file != block.where.file:
+        return block.where
+    for tag in _elements(doc.root):
+        if tag.line == block.where.line and tag.table is not None and row < len(tag.table.labels):
+            t = tag.table
+            at = t.start
+            for _ in range(row + 1):
+                at = doc.data.find(b"</", at) + 2
+            return Where(block.where.file, tag.line + doc.data.count(b"\n", t.start, at))
+    return block.where
+
+
+def _elements(root: Tag) -> list[Tag]:
+    return [e for s in root for e in s if s.name in ("Mesh", "Geometry") and e.name == "Elements"]
+
+
+def duplicates(model: Model) -> Iterator[Finding]:
+    blocks = model.mesh.blocks
+    ids = np.concatenate([b.ids for b in blocks]) if blocks else np.zeros(0, np.int64)
+    values, counts = np.unique(ids, return_counts=True)
+    if (counts > 1).any():
+        twice = int(values[counts > 1][0])
+        later = next(b for b in reversed(blocks) if twice in b.ids)
+        yield Finding("error", f"element id {twice} is used {int(counts.max())} times", later.where)
+    for b in blocks:
+        rows = np.sort(b.conn, axis=1)
+        _, index, count = np.unique(rows, axis=0, return_index=True, return_counts=True)
+        if (count > 1).any():
+            first = int(index[count > 1][0])
+            yield Finding("warning", f'part "{b.name}": {int((count - 1).sum())} elements have the nodes of '
+                          f"another one, first element {b.ids[first]}", row_place(model, b, first))
+        repeated = (np.diff(rows, axis=1) == 0).any(axis=1)
+        if repeated.any() and b.type in ("tet4", "tri3", "line2"):
+            first = int(np.argmax(repeated))
+            yield Finding("error", f'part "{b.name}": element {b.ids[first]} names a node twice',
+                          row_place(model, b, first))
+
+
+def unused(model: Model) -> Iterator[Finding]:
+    mesh = model.mesh
+    used = np.zeros(len(mesh.node_ids), bool)
+    for b in mesh.blocks:
+        used[b.conn] = True
+    for d in mesh.discrete_sets.values():
+        used[d.pairs] = True
+    if not used.all():
+        first = mesh.node_ids[np.argmin(used)]
+        yield Finding("warning", f"{int((~used).sum())} nodes belong to no element, first node {first}",
+                      Where(model.file))

@@ -1,0 +1,195 @@
+"""Names and numbers that refer to something: sets, parts, materials, curves, maps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from febkit.model import Component, Model, Step, Where
+from febkit.model.sets import element_ids, node_indices
+from febkit.model.source import InputError
+
+from .findings import Finding
+
+BODIES = ("rb", "body_a", "body_b", "rbA", "rbB")
+FIELDS = ("boundary", "loads", "contact", "constraints", "rigid", "initial", "adaptors")
+
+
+def check(model: Model) -> Iterator[Finding]:
+    yield from materials(model)
+    yield from domains(model)
+    yield from sets(model)
+    yield from curves(model)
+    for step in (model.common, *model.steps):
+        yield from stage(model, step)
+    yield from maps(model)
+    yield from output(model)
+
+
+def materials(model: Model) -> Iterator[Finding]:
+    seen: dict[str, Component] = {}
+    for i, m in enumerate(model.materials, 1):
+        if m.id != i:
+            message = f'material "{m.name}" has id {m.id}; ids count from 1 without gaps ({i} here)'
+            yield Finding("error", message, m.where)
+        if m.name in seen:
+            yield Finding("error", f'a second material named "{m.name}"', m.where)
+        seen[m.name or ""] = m
+    used = {d.material for d in model.domains}
+    for m in model.materials:
+        if m.name not in used and m.type != "rigid body":  # a rigid body need not have a mesh
+            yield Finding("warning", f'material "{m.name}" belongs to no domain', m.where)
+
+
+def domains(model: Model) -> Iterator[Finding]:
+    names = {m.name for m in model.materials}
+    blocks = {b.name for b in model.mesh.blocks}
+    done: set[str] = set()
+    for d in model.domains:
+        if d.block not in blocks:
+            yield Finding("error", f'domain "{d.block}": there are no <Elements> of that name', d.where)
+        if d.material not in names:
+            yield Finding("error", f'domain "{d.block}": there is no material "{d.material}"', d.where)
+        if d.block in done:
+            yield Finding("error", f'domain "{d.block}" is defined twice', d.where)
+        done.add(d.block)
+    for b in model.mesh.blocks:
+        if b.name not in done:
+            yield Finding("error", f'part "{b.name}" has no domain, so no material', b.where)
+
+
+def sets(model: Model) -> Iterator[Finding]:
+    mesh = model.mesh
+    ids = np.sort(np.concatenate([b.ids for b in mesh.blocks])) if mesh.blocks else np.zeros(0, np.int64)
+    for e in mesh.element_sets.values():
+        missing = e.elements[~np.isin(e.elements, ids)]
+        if len(missing):
+            message = f'element set "{e.name}" refers to element {missing[0]}, which does not exist'
+            yield Finding("error", message, e.where)
+    for p in mesh.surface_pairs.values():
+        for s in (p.primary, p.secondary):
+            if s not in mesh.surfaces:
+                yield Finding("error", f'surface pair "{p.name}": there is no surface "{s}"', p.where)
+    for name, parts in mesh.part_lists.items():
+        for part in parts:
+            try:
+                element_ids(mesh, part)
+            except InputError:
+                yield Finding("error", f'part list "{name}": there is no part "{part}"', Where(model.file))
+    sizes = [(s.name, len(s.nodes), s.where) for s in mesh.node_sets.values()]
+    sizes += [(f.name, sum(len(k) for k in f.facets.values()), f.where) for f in mesh.surfaces.values()]
+    for name, size, where in sizes:
+        if not size:
+            yield Finding("warning", f'the set "{name}" is empty', where)
+
+
+def curves(model: Model) -> Iterator[Finding]:
+    for i, c in enumerate(model.controllers, 1):
+        if c.id != i:
+            message = f"load controller {c.id}: ids count from 1 without gaps ({i} here)"
+            yield Finding("error", message, c.where)
+        if c.type == "loadcurve" and not c.points:
+            yield Finding("error", f"load curve {c.id} has no points", c.where)
+        times = [t for t, _ in c.points]
+        if any(b < a for a, b in pairwise(times)):
+            yield Finding("warning", f"load curve {c.id}: times do not increase", c.where)
+
+
+def stage(model: Model, step: Step) -> Iterator[Finding]:
+    for field in FIELDS:
+        for c in getattr(step, field):
+            yield from references(model, c)
+            yield from below(model, c)
+    if step.control is not None:
+        yield from below(model, step.control)
+        for name in ("time_steps", "step_size"):
+            p = step.control.child(name)
+            if p is not None and _number(p.text) <= 0 and p.text.strip() not in ("-1", ""):
+                yield Finding("error", f"<{name}> must be more than 0, not {p.text}", p.where)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
+
+
+def references(model: Model, c: Component) -> Iterator[Finding]:
+    """The sets a condition names."""
+    mesh = model.mesh
+    for attr, v in c.attrs.items():
+        try:
+            if attr == "node_set":
+                node_indices(mesh, v)
+            elif attr == "elem_set":
+                element_ids(mesh, v)
+            elif attr == "surface" and v not in mesh.surfaces:
+                raise InputError(f'there is no surface "{v}"')
+            elif attr == "edge" and v not in mesh.edges:
+                raise InputError(f'there is no edge "{v}"')
+            elif attr == "surface_pair" and v not in mesh.surface_pairs:
+                raise InputError(f'there is no surface pair "{v}"')
+        except InputError as e:
+            yield Finding("error", f'<{c.tag} type="{c.type}">: {e.message}', c.where)
+
+
+def below(model: Model, c: Component) -> Iterator[Finding]:
+    """Curves, maps and rigid bodies anywhere in a tree."""
+    lc = c.attrs.get("lc")
+    if lc not in (None, "", "0") and lc not in {str(x.id) for x in model.controllers}:
+        yield Finding("error", f'<{c.tag} lc="{lc}">: there is no load controller {lc}', c.where)
+    if c.type == "map" and c.text and c.text not in {d.name for d in model.mesh_data}:
+        yield Finding("error", f'<{c.tag} type="map">: there is no map "{c.text}" in <MeshData>', c.where)
+    if c.tag in BODIES and not c.children and c.text and "," not in c.text:
+        rigid = {m.name for m in model.materials if m.type == "rigid body"}
+        numbers = {str(m.id) for m in model.materials if m.type == "rigid body"}
+        if c.text not in rigid and c.text not in numbers:
+            yield Finding("error", f'<{c.tag}>: there is no rigid body material "{c.text}"', c.where)
+    for x in c.children:
+        yield from below(model, x)
+
+
+def maps(model: Model) -> Iterator[Finding]:
+    mesh = model.mesh
+    for m in (*model.materials, *model.discrete):
+        yield from below(model, m)
+    for d in model.discrete:
+        name = d.attrs.get("discrete_set")
+        if name is not None and name not in mesh.discrete_sets:
+            yield Finding("error", f'<{d.tag}>: there is no discrete set "{name}"', d.where)
+    for r in model.mesh_data:
+        try:
+            if r.kind == "node":
+                size = len(node_indices(mesh, r.set))
+            elif r.kind == "element":
+                size = len(element_ids(mesh, r.set))
+            elif r.set in mesh.surfaces:
+                size = sum(map(len, mesh.surfaces[r.set].facets.values()))
+            else:
+                raise InputError(f'there is no surface "{r.set}"')
+        except InputError as e:
+            yield Finding("error", f'map "{r.name}": {e.message}', r.where)
+            continue
+        if r.items is not None and len(r.items) and (r.items.min() < 1 or r.items.max() > size):
+            bad = r.items[(r.items < 1) | (r.items > size)][0]
+            yield Finding("error", f'map "{r.name}": row lid={bad} lies outside "{r.set}", which has {size}',
+                          r.where)
+
+
+def output(model: Model) -> Iterator[Finding]:
+    for v in model.output.plot:
+        if v.surface is not None and v.surface not in model.mesh.surfaces:
+            yield Finding("error", f'plot variable "{v.type}": there is no surface "{v.surface}"', v.where)
+    for e in model.output.log:
+        if e.set is None:
+            continue
+        try:
+            if e.kind == "node_data":
+                node_indices(model.mesh, e.set)
+            elif e.kind == "element_data":
+                element_ids(model.mesh, e.set)
+        except InputError as error:
+            yield Finding("error", f"<{e.kind}>: {error.message}", e.where)

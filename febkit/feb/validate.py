@@ -1,0 +1,83 @@
+"""An input checked without solving it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+from os import PathLike
+
+import numpy as np
+
+from febkit.model import InputError, Model, Where
+
+from . import check_features, check_mesh, check_references
+from .document import Document
+from .findings import Finding
+from .read import read
+
+UNITS = ("SI", "mm-N-s", "mm-kg-s", "um-nN-s", "CGS", "mm-g-s", "mm-mg-s")
+ORDER = {"error": 0, "unsupported": 1, "warning": 2, "hint": 3}
+
+
+def validate(path: str | PathLike[str], solvable: bool = True) -> list[Finding]:
+    """What is wrong, doubtful or unsupported in a .feb file, by severity and place.
+
+    ``solvable`` also asks whether febkit can solve it. A file that cannot be read gives one error.
+    """
+    try:
+        model = read(path)
+    except InputError as e:
+        return [Finding("error", e.message, e.where or Where(str(path)))]
+    return check(model, solvable)
+
+
+def check(model: Model, solvable: bool = True) -> list[Finding]:
+    """The same for a model in memory."""
+    found = [*_document(model), *check_features.check(model), *check_references.check(model),
+             *check_mesh.check(model), *_sense(model)]
+    if solvable and not any(f.severity == "error" for f in found):
+        found += _unsupported(model)
+    unique = list(dict.fromkeys(found))
+    return sorted(unique, key=lambda f: (ORDER[f.severity], f.where.file, f.where.line))
+
+
+def _document(model: Model) -> Iterator[Finding]:
+    doc = model.document
+    if not isinstance(doc, Document):
+        return
+    root = doc.root
+    if model.version in ("2.5", "3.0", "4.0") and root.children and root.children[0].name != "Module":
+        yield Finding("error", "the first section must be <Module>", root.children[0].where)
+    names = [c.name for c in root]
+    both = model.version == "4.0" and "MeshData" in names and "MeshDomains" in names
+    if both and names.index("MeshData") < names.index("MeshDomains"):
+        tag = root.children[names.index("MeshData")]
+        yield Finding("error", "<MeshData> must come after <MeshDomains>", tag.where)
+
+
+def _sense(model: Model) -> Iterator[Finding]:
+    place = model.module_spec.where if model.module_spec is not None else Where(model.file)
+    if not model.steps or all(s.control is None for s in model.steps):
+        yield Finding("error", "there is no <Control>: nothing says how long to solve", Where(model.file))
+    if not model.materials:
+        yield Finding("error", "there are no materials", Where(model.file))
+    extent = float(np.ptp(model.mesh.X, axis=0).max()) if len(model.mesh.X) else 0.0
+    if model.units is None:
+        yield Finding("hint", f"no units are said; the model is {extent:.3g} long: lengths, forces and times "
+                      "must all be of one system", place)
+    elif model.units not in UNITS:
+        yield Finding("hint", f'units "{model.units}" are none of FEBio\'s: {", ".join(UNITS)}', place)
+    elif model.units == "SI" and extent > 10.0:
+        yield Finding("hint", f"units are SI and the model is {extent:.3g} m long", place)
+
+
+def _unsupported(model: Model) -> list[Finding]:
+    """What febkit's solver lacks for it; empty where it can solve it or the solver is not there."""
+    if find_spec("febkit.lower") is None:
+        return []
+    from febkit.lower import unsupported
+
+    try:
+        return [Finding("unsupported", e.message, e.where or Where(model.file)) for e in unsupported(model)]
+    except InputError as e:
+        return [Finding("error", e.message, e.where or Where(model.file))]
