@@ -42,10 +42,10 @@ class Options:
 @click.option("--points", type=FILE, help="CSV file of points: columns x, y, z and, if you like, name.")
 @click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
 @click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: 1].")
-@click.option("--recovery", type=click.Choice(["polynomial", "patches", "element"]), help="How derivatives are "
-              "found: a least-squares polynomial over the patch around the point [default]; superconvergent patch "
-              "recovery; or the element's own (no pure second derivatives in a linear brick).")
-@click.option("--overlay", is_flag=True, help="Interpolate the tissue's field at every node, without a series.")
+@click.option("--recovery", type=click.Choice(["patches", "polynomial", "element"]), help="How derivatives "
+              "are found: superconvergent patch recovery [default]; a least-squares polynomial on the patch "
+              "around the point; or the element's own (no pure second derivatives in a linear brick).")
+@click.option("--overlay", is_flag=True, help="Interpolate the tissue's field at every node: no series.")
 @click.option("--rigid", type=click.Choice(["drop", "keep", "drop-all"]), default="drop", show_default=True,
               help="The point's own displacement: dropped, kept, or dropped with its rotation.")
 @click.option("--origin", default="0,0,0", show_default=True, metavar="X,Y,Z|centre",
@@ -53,19 +53,20 @@ class Options:
 @click.option("--set", "node_set", help="Node set (or @surface:NAME) to drive [default: the outer surface].")
 @click.option("--times", metavar="T,T,...", help="Times to sample the tissue at [default: its own].")
 @click.option("--form", type=click.Choice(["auto", "math", "parameters", "curves"]), default="auto",
-              show_default=True, help="Formulas, formulas that refer to load curves, or a curve per node and dof.")
-@click.option("--version", "version", type=click.Choice(["4.0", "3.0", "2.5"]), default="4.0", show_default=True,
-              help="Version of .feb to write.")
+              show_default=True, help="Formulas; formulas that refer to curves; a curve per node and dof.")
+@click.option("--version", "version", type=click.Choice(["4.0", "3.0", "2.5"]), default="4.0",
+              show_default=True, help="Version of .feb to write.")
 @click.option("--section", is_flag=True, help="Write the boundary sections alone, to be included.")
 @click.option("--must-points/--no-must-points", default=True, show_default=True,
               help="Make the time stepper meet the tissue's times.")
-@click.option("--pressure/--no-pressure", default=True, show_default=True, help="Prescribe the fluid pressure.")
+@click.option("--pressure/--no-pressure", default=True, show_default=True,
+              help="Prescribe the fluid pressure.")
 @click.option("--dataset", type=FILE, help="Also save F, G, p, ... at the points as NetCDF.")
-@click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put before "
-              "its ending [default: CELL_driven.feb].")
+@click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put "
+              "before its ending [default: CELL_driven.feb].")
 def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path | None, times: str | None,
             dataset: Path | None, output: Path | None, **rest: Any) -> None:
-    """Drive the surface of CELL, a .feb model, by SOURCE: a solved tissue (.xplt or .nc) or F(t), p(t) (.csv, .nc).
+    """Drive the surface of CELL (.feb) by SOURCE: a solved tissue (.xplt, .nc) or F(t), p(t) (.csv, .nc).
 
     \b
     febkit boundary tissue.xplt cell.feb --at 0,0,0 --order 2 --fluid-order 1 -o driven.feb
@@ -84,15 +85,19 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
         driving.to_netcdf(dataset)
         click.echo(f"wrote {dataset}")
     if cell is not None:
-        _drive_all(source, cell, tissue, driving, at, points, options, output)
+        _drive_all(cell, tissue, driving, at, points, options, output)
 
 
-def _drive_all(source: Path, cell: Path, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
+def _drive_all(cell: Path, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
                points: Path | None, options: Options, output: Path | None) -> None:
     from febkit.feb import read
 
     model = read(cell)
-    places, names = _places(at, points) if driving is None else (None, [str(n) for n in driving["point"].values])
+    places = None
+    if driving is None:
+        places, names = _places(at, points)
+    else:
+        names = [str(n) for n in driving["point"].values]
     target = output or cell.with_name(f"{cell.stem}_driven.feb")
     for k, name in enumerate(names):
         path = target if len(names) == 1 else target.with_name(f"{target.stem}_{_safe(name)}{target.suffix}")
@@ -110,6 +115,7 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
              options: Options) -> tuple[Field | None, xr.Dataset | None]:
     """The tissue, where SOURCE is one, and the series (None for an overlay)."""
     from febkit.coupling import from_dataset, read_driving, series
+    from febkit.coupling.taylor import DEFAULT_RECOVERY
     from febkit.model import InputError
 
     if not source.is_file():
@@ -131,8 +137,10 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     places, names = _places(at, points)
     if options.overlay:
         return field, None
-    top = 3  # one order more than handed off, where there is one, estimates what is left out
-    return field, series(field, places, order=top, recovery=options.recovery or "polynomial", names=names)
+    order = max(2 if options.order is None else options.order, options.fluid_order or 1)
+    # one order more than handed off, to estimate what is left out
+    return field, series(field, places, order=min(order + 1, 3), names=names,
+                         recovery=options.recovery or DEFAULT_RECOVERY)
 
 
 def _named(field: Field, source: Path) -> Field:
@@ -233,8 +241,8 @@ def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: in
         origin = _numbers(options.origin, "--origin", 3)
         span = (high - low).max()
         if ((origin < low - 0.5 * span) | (origin > high + 0.5 * span)).any():
-            raise InputError(f"the origin {options.origin} lies far outside the cell model, whose surface spans {low} to "
-                             f"{high}: say --origin centre, or where the point lies in it")
+            raise InputError(f"the origin {options.origin} lies far outside the cell model, which spans "
+                             f"{low} to {high}: say --origin centre, or where the point lies in it")
     if driving is None:
         assert tissue is not None
         return overlay(tissue, X, place, rigid=options.rigid, origin=origin)

@@ -24,8 +24,8 @@ _HOME = {
 }
 
 __all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "checked", "drive", "from_dataset",
-           "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "series", "surface_nodes",
-           "write", "write_section"]
+           "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "series",
+           "surface_nodes", "write", "write_section"]
 
 
 def __getattr__(name: str) -> Any:

@@ -49,7 +49,8 @@ class Driven:
 def pick_form(form: str, given: Handoff, version: str) -> str:
     """The form for a version. Raises InputError where the one asked for cannot hold the hand-off."""
     if form not in FORMS or version not in VERSIONS:
-        raise InputError(f"forms are {', '.join(FORMS)} and versions {', '.join(VERSIONS)}; not {form} in {version}")
+        raise InputError(f"forms are {', '.join(FORMS)} and versions {', '.join(VERSIONS)}; "
+                         f"not {form} in {version}")
     if form == "curves":
         return form
     why = None
@@ -140,8 +141,8 @@ def _replaced(model: Model, c: Component, nodes: Ints, wet: bool, said: list[str
     if not own.any():
         return False
     if not own.all():
-        raise InputError(f'<bc type="{kind}"> on "{ref}" holds {own.sum()} of the driven nodes and {(~own).sum()} '
-                         "others: split or remove it, or drive another set", c.where)
+        raise InputError(f'<bc type="{kind}"> on "{ref}" holds {own.sum()} of the driven nodes and '
+                         f"{(~own).sum()} others: split or remove it, or drive another set", c.where)
     said.append(f'replaced <bc type="{kind}"> on "{ref}"')
     return True
 
@@ -153,20 +154,24 @@ def _with_must_points(model: Model, times: Floats) -> tuple[Model, list[str]]:
     """Adds the hand-off's times to the must points (the load curve of dtmax) of every time stepper."""
     said: list[str] = []
     controllers = list(model.controllers)
-    steps = []
+    steps, fixed, adapted = [], [], 0
     for n, step in enumerate(model.steps, 1):
         if step.control is None:
             steps.append(step)
             continue
         stepper = step.control.child("time_stepper")
         if stepper is None:
-            said.append(f"step {n} has fixed steps: there are no must points, so see that its steps meet the times")
+            fixed.append(n)
             steps.append(step)
             continue
         stepper, controllers = _stepper_with(stepper, step.control, times, controllers)
         steps.append(replace(step, control=_swap(step.control, stepper)))
-    if len(controllers) + sum(s.control is not None for s in steps) > len(model.controllers):
+        adapted += 1
+    if adapted:
         said.append(f"must points at {len(times)} times")
+    if fixed:
+        said.append(f"steps of fixed size (step {', '.join(map(str, fixed))}) have no must points: "
+                    "see that they meet the times")
     return replace(model, controllers=tuple(controllers), steps=tuple(steps)), said
 
 
@@ -198,11 +203,12 @@ def _union(a: Floats, b: Floats) -> Floats:
     """Times of both; those nearer than 1e-9 of the span count as one."""
     t = np.unique(np.concatenate([a, b]))
     keep = np.concatenate([[True], np.diff(t) > 1e-9 * max(t[-1] - t[0], 1e-300)])
-    return t[keep]
+    return np.asarray(t[keep])
 
 
 def _swap(control: Component, stepper: Component) -> Component:
-    return replace(control, children=tuple(stepper if c.tag == "time_stepper" else c for c in control.children))
+    swapped = tuple(stepper if c.tag == "time_stepper" else c for c in control.children)
+    return replace(control, children=swapped)
 
 
 def _curve_spec(spec: Component, rows: Iterable[tuple[float, float]]) -> Component:
@@ -215,7 +221,8 @@ def _next_id(controllers: Iterable[LoadController]) -> int:
     return max((c.id for c in controllers), default=0) + 1
 
 
-def load_curve(number: int, name: str, times: Floats, values: Floats, interpolate: str = "LINEAR") -> LoadController:
+def load_curve(number: int, name: str, times: Floats, values: Floats,
+               interpolate: str = "LINEAR") -> LoadController:
     """A load curve, constant outside its points."""
     rows = [(float(t), float(v)) for t, v in zip(times, values)]
     spec = Component("load_controller", "loadcurve", name, number, children=(
@@ -250,19 +257,18 @@ def conditions_of(given: Handoff, node_set: str, form: str) -> tuple[list[Compon
             references += more
         value = Component("value", "math", text=text) if text != "0" else Component("value", text="0")
         still = Component("relative", text="0")
-        if dof == "p":
-            out.append(Component("bc", "prescribed fluid pressure", "handoff p", None, "", {"node_set": node_set},
-                                 (value, still)))
-        else:
-            out.append(Component("bc", "prescribed displacement", f"handoff {dof}", None, "", {"node_set": node_set},
-                                 (Component("dof", text=dof), value, still)))
+        fluid = dof == "p"
+        kind = "prescribed fluid pressure" if fluid else "prescribed displacement"
+        parts = (value, still) if fluid else (Component("dof", text=dof), value, still)
+        out.append(Component("bc", kind, f"handoff {dof}", None, "", {"node_set": node_set}, parts))
     return out, references
 
 
 def helpers(references: list[Reference], times: Floats, material: int,
             controller: int) -> tuple[list[Component], list[LoadController]]:
     """Materials that no element uses, whose E follows a history, and the load curves of these."""
-    materials, curves = [], []
+    materials: list[Component] = []
+    curves: list[LoadController] = []
     for k, r in enumerate(references):
         if r.history is not None:
             curves.append(load_curve(controller + len(curves), r.name, times, r.history))

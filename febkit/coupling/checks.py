@@ -33,32 +33,33 @@ class Checks:
 
 
 def check(given: Handoff, driving: xr.Dataset | None = None, point: int = 0) -> Checks:
-    """Checks of a hand-off; ``driving`` (as handed to :func:`.histories.handoff`) allows the remainder estimate.
+    """Checks of a hand-off; ``driving`` (as given to handoff()) allows the remainder estimate.
 
     The remainder is the largest value on the surface of the first order left out, where the driving data
     hold it; for order 3 the last term times the ratio of the last two. It is an estimate, not a bound.
     """
     det_F = det_map = at = None
     problems: list[str] = []
-    lines: list[str] = [f"hand-off: {given.text}; {len(given.times)} times {given.times[0]:g} to {given.times[-1]:g}; "
-                        f"{len(given.X)} surface nodes"]
+    lines: list[str] = [f"hand-off: {given.text}; {len(given.times)} times {given.times[0]:g} to "
+                        f"{given.times[-1]:g}; {len(given.X)} surface nodes"]
     if given.motion is not None:
         det_F, det_map, at = _volumes(given)
         lines.append(f"detF at the point: {det_F[0]:.4g} to {det_F[1]:.4g}")
         lines.append(f"det dx/dX over the surface: {det_map[0]:.4g} to {det_map[1]:.4g}")
         if at is not None:
-            problems.append(f"the mapped volume turns inside out at t = {at:g}: take a lower order, a smaller "
-                            "cell model, or another point")
+            problems.append(f"the mapped volume turns inside out at t = {at:g}: take a lower order, a "
+                            "smaller cell model, or another point")
     ratio = _size_ratio(given, driving, point)
     if ratio is not None:
         lines.append(f"cell model / tissue element: {ratio:.3g}")
         if ratio > 2:
-            problems.append(f"the cell model is {ratio:.2g} times as large as the tissue's element: overlay may suit better")
+            problems.append(f"the cell model is {ratio:.2g} times as large as the tissue's element: "
+                            "overlay may suit better")
     rest_u, rest_p = remainder(given, driving, point)
     if rest_u is not None:
-        lines.append(f"first order left out, displacement: {100 * rest_u:.3g} % of the largest on the surface")
+        lines.append(f"order left out, displacement: {100 * rest_u:.3g} % of the largest on the surface")
     if rest_p is not None:
-        lines.append(f"first order left out, pressure: {100 * rest_p:.3g} % of the largest on the surface")
+        lines.append(f"order left out, pressure: {100 * rest_p:.3g} % of the largest on the surface")
     lines += _about_recovery(given, driving, point)
     return Checks(det_F, det_map, at, ratio, rest_u, rest_p, tuple(lines), tuple(problems))
 
@@ -68,13 +69,14 @@ def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> l
     if driving is None or given.motion is None:
         return lines
     method = driving.attrs.get("recovery")
-    if method == "element" and max(given.motion.shape[1], 0 if given.fluid is None else given.fluid.shape[1]) > 4:
+    terms = max(given.motion.shape[1], 0 if given.fluid is None else given.fluid.shape[1])
+    if method == "element" and terms > COUNT[1]:
         lines.append(ELEMENT_NOTE)
     elif method:
         lines.append(f"recovery: {method}")
-    if "terms_lost" in driving and int(driving["terms_lost"].values[point]):
-        lines.append(f"{int(driving['terms_lost'].values[point])} derivatives cannot be told from the elements around "
-                     "the point and are taken as 0")
+    lost = int(driving["terms_lost"].values[point]) if "terms_lost" in driving else 0
+    if lost:
+        lines.append(f"{lost} derivatives cannot be found from the elements around the point: taken as 0")
     return lines
 
 
@@ -151,4 +153,4 @@ def _without_first(which: int, terms: int) -> Floats:
 def _part(coefficient: Floats, offset: Floats, order: int) -> Floats:
     """The terms of one order alone (t, n, c)."""
     s = slice(COUNT[order - 1], COUNT[order])
-    return np.matmul(monomials(offset, TERMS[s])[None], coefficient[:, s])
+    return np.asarray(np.matmul(monomials(offset, TERMS[s])[None], coefficient[:, s]))

@@ -35,7 +35,8 @@ _CONDITION = {
 _CURVE = {
     "4.0": ('\t\t<load_controller id="%d" type="loadcurve"><interpolate>LINEAR</interpolate>'
             "<extend>CONSTANT</extend><points>", "<pt>{t},%r</pt>", "</points></load_controller>\n"),
-    "2.5": ('\t\t<loadcurve id="%d" type="linear" extend="constant">', "<point>{t},%r</point>", "</loadcurve>\n"),
+    "2.5": ('\t\t<loadcurve id="%d" type="linear" extend="constant">', "<point>{t},%r</point>",
+            "</loadcurve>\n"),
 }
 _CURVE["3.0"] = _CURVE["4.0"]
 # where a missing section goes: before the first of these that is there
@@ -47,11 +48,12 @@ def curve_sections(given: Handoff, node_ids: Ints, first: int, version: str) -> 
     """Text for the sections: a set per node, a condition per node and dof, a curve per node and dof."""
     u, p = given.u, given.p
     values = u if p is None else np.concatenate([u, p[..., None]], axis=2)  # (t, n, dof)
-    t, n, d = values.shape
+    _, n, d = values.shape
     where, row = _SET[version]
     sets = (row * n) % tuple(x for i in node_ids.tolist() for x in (PREFIX, i, i))
     motion, fluid = _CONDITION[version]
-    one = "".join((fluid if k == 3 else motion).format(set=f"{PREFIX}%d", dof="xyzp"[k], lc="%d") for k in range(d))
+    one = "".join((fluid if k == 3 else motion).format(set=f"{PREFIX}%d", dof="xyzp"[k], lc="%d")
+                  for k in range(d))
     ids = np.empty((n, d, 2), dtype=np.int64)
     ids[..., 0] = node_ids[:, None]
     ids[..., 1] = first + np.arange(n * d).reshape(n, d)
@@ -62,7 +64,7 @@ def curve_sections(given: Handoff, node_ids: Ints, first: int, version: str) -> 
 
 
 def _curve_text(values: Floats, times: Floats, first: int, version: str) -> bytes:
-    """All curves, in the order of nodes and dofs, each number in the fewest digits that read back the same."""
+    """All curves, in the order of nodes and dofs; numbers in the fewest digits that read back the same."""
     head, point, foot = _CURVE[version]
     one = head + "".join(point.format(t=repr(float(x))) for x in times) + foot
     t, n, d = values.shape
@@ -101,11 +103,18 @@ def _insert(document: bytes, name: str, text: bytes) -> bytes:
     return document[:at] + whole + b"\n\t" + document[at:]
 
 
+_HOW = {
+    False: 'Boundary of a cell model on its node set "{}". Put an Include tag with the name of this file '
+           "behind LoadData of the cell model, from whose materials and load curves its numbers go on.",
+    True: "Boundary of a cell model, a load curve per node and degree of freedom. Copy the node sets into "
+          "the cell model's own mesh section (FEBio reads one only) and the rest into Boundary and LoadData.",
+}
+
+
 def section_document(parts: dict[str, bytes], node_set: str, version: str) -> bytes:
     """A .feb file that holds nothing but the sections."""
     out = [b'<?xml version="1.0" encoding="UTF-8"?>\n',
-           f'<!-- Boundary of a cell model on its node set "{node_set}". Put <Include>this file</Include> behind '
-           "<LoadData> of the cell model, whose materials and load curves it numbers on from. -->\n".encode(),
+           f"<!-- {_HOW['Mesh' in parts or 'Geometry' in parts].format(node_set)} -->\n".encode(),
            f'<febio_spec version="{version}">\n'.encode()]
     order = ("Material", "Mesh", "Geometry", "Boundary", "LoadData")
     for name in sorted(parts, key=order.index):

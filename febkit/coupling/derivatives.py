@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import combinations_with_replacement, permutations
 from math import factorial
-from typing import TYPE_CHECKING
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,9 @@ from .field import Field
 from .location import Location
 from .shapes import shape
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Sparse: TypeAlias = Any  # a scipy.sparse.csr_array; scipy is imported where it is needed
 
 MAX_ORDER = 3
 # (), (0,), (1,), (2,), (0, 0), (0, 1), ...: value, first, second, third derivatives
@@ -32,7 +30,7 @@ COUNT = (1, 4, 10, 20)  # terms up to and with each order
 
 
 def monomials(x: Floats, terms: tuple[tuple[int, ...], ...] = TERMS) -> Floats:
-    """The terms of a Taylor series at offsets ``x`` (..., 3): x^a / a!, so that coefficients are derivatives."""
+    """Terms of a Taylor series at offsets ``x`` (..., 3): x^a / a!, so that coefficients are derivatives."""
     x = np.asarray(x, dtype=float)
     out = np.empty((*x.shape[:-1], len(terms)))
     for k, axes in enumerate(terms):
@@ -49,6 +47,7 @@ def full(values: Floats, order: int) -> Floats:
     start = COUNT[order] - (COUNT[order - 1] if order else 0)
     first = COUNT[order] - start
     for k, axes in enumerate(TERMS[first:COUNT[order]]):
+        same: Any
         for same in set(permutations(axes)):
             out[(..., *same)] = values[..., first + k]
     return out
@@ -57,10 +56,11 @@ def full(values: Floats, order: int) -> Floats:
 def packed(tensor: Floats, order: int) -> Floats:
     """The reverse of :func:`full` for one order: (..., 3, 3, ...) to (..., terms of that order)."""
     first = COUNT[order - 1] if order else 0
-    return np.stack([tensor[(..., *axes)] for axes in TERMS[first:COUNT[order]]], axis=-1)
+    terms: Any = TERMS[first:COUNT[order]]
+    return np.stack([tensor[(..., *axes)] for axes in terms], axis=-1)
 
 
-def rows(m: int, columns: Ints, weights: Floats, width: int) -> csr_array:
+def rows(m: int, columns: Ints, weights: Floats, width: int) -> Sparse:
     """Sparse rows (m * k, width) of ``weights`` (m, n, k) at ``columns`` (m, n); columns < 0 are padding."""
     from scipy.sparse import csr_array
 
@@ -73,7 +73,7 @@ def rows(m: int, columns: Ints, weights: Floats, width: int) -> csr_array:
     return csr_array((weights.transpose(0, 2, 1)[mask], cols[mask], indptr), shape=(m * k, width))
 
 
-def apply(operator: csr_array, field: Field, terms: int) -> Floats:
+def apply(operator: Sparse, field: Field, terms: int) -> Floats:
     """Derivatives (point, time, term, component) of displacement (and pressure, last) from sparse rows."""
     used = np.unique(operator.indices)
     values = field.values[:, used]
@@ -84,7 +84,7 @@ def apply(operator: csr_array, field: Field, terms: int) -> Floats:
     return np.ascontiguousarray(out.transpose(0, 2, 1, 3))
 
 
-def by_element(field: Field, where: Location, terms: int = COUNT[-1]) -> csr_array:
+def by_element(field: Field, where: Location, terms: int = COUNT[-1]) -> Sparse:
     """The element's own derivatives, curvature of the map included.
 
     d2N/dX2 = J^-T (d2N/dr2 - dN/dX . d2X/dr2) J^-1, and likewise the third. In a trilinear brick that is a
@@ -105,7 +105,7 @@ def by_element(field: Field, where: Location, terms: int = COUNT[-1]) -> csr_arr
     return _sorted(vstack(parts, format="csr"), np.concatenate(order), terms)
 
 
-def _sorted(operator: csr_array, points: Ints, terms: int) -> csr_array:
+def _sorted(operator: Sparse, points: Ints, terms: int) -> Sparse:
     """Rows put back in the order of the points."""
     back = np.argsort(points, kind="stable")
     if (back == np.arange(len(back))).all():

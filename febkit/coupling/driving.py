@@ -1,9 +1,9 @@
 """Driving data from anywhere: the series of a tissue, or an experiment's F(t) and p(t), as NetCDF or CSV.
 
 A CSV file has a head and one row per time (and point). Columns: ``time`` (or ``t``); ``F11`` ... ``F33`` or
-``Fxx`` ... ``Fzz``; and, where wanted, ``point``, ``ux uy uz``, second derivatives ``G111`` or ``Gxxx`` (of x_i by
-X_J, X_K: either order of J, K), third ones ``G3xxxx``, ``p``, ``px py pz``, ``Hxx``, ``H3xxx``. Components of F
-that are left out are those of the identity, others 0.
+``Fxx`` ... ``Fzz``; and, where wanted, ``point``, ``ux uy uz``, second derivatives ``G111`` or ``Gxxx`` (of
+x_i by X_J, X_K: either order of J, K), third ones ``G3xxxx``, ``p``, ``px py pz``, ``Hxx``, ``H3xxx``.
+Components of F that are left out are those of the identity, others 0.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ Floats = NDArray[np.float64]
 
 # name -> (tensor's rank, rank of its symmetric tail, dims after point and time)
 TENSORS: dict[str, tuple[int, int, tuple[str, ...]]] = {
-    "u": (1, 0, ("i",)), "F": (2, 0, ("i", "J")), "G": (3, 2, ("i", "J", "K")), "G3": (4, 3, ("i", "J", "K", "L")),
+    "u": (1, 0, ("i",)), "F": (2, 0, ("i", "J")), "G": (3, 2, ("i", "J", "K")),
+    "G3": (4, 3, ("i", "J", "K", "L")),
     "p": (0, 0, ()), "grad_p": (1, 0, ("J",)), "H": (2, 2, ("J", "K")), "H3": (3, 3, ("J", "K", "L")),
 }
 _COLUMN = re.compile(r"^(u|F|G3_?|G|H3_?|H|grad_?p_?|p)_?([xyzXYZ123]*)$")
@@ -45,18 +46,19 @@ def read_driving(path: str | PathLike[str]) -> xr.Dataset:
 def checked(ds: xr.Dataset, name: str = "driving data") -> xr.Dataset:
     """Driving data with dims in order, a ``point`` dimension, increasing finite times and finite values."""
     if "F" not in ds or "time" not in ds.dims:
-        raise InputError(f"{name}: driving data need F over time (variables: {', '.join(map(str, ds)) or 'none'})")
+        raise InputError(f"{name}: driving data need F over time; there is {', '.join(map(str, ds)) or None}")
     if "point" not in ds.dims:
         ds = ds.expand_dims("point")
     t = np.asarray(ds["time"].values, dtype=float)
     if not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise InputError(f"{name}: times must be finite and increase")
-    for v, (rank, _, axes) in TENSORS.items():
+    for v, (_, _, axes) in TENSORS.items():
         if v not in ds:
             continue
         dims = ("point", "time", *axes)
         if set(ds[v].dims) != set(dims) or any(ds.sizes[a] != 3 for a in axes):
-            raise InputError(f"{name}: {v} must have dimensions {', '.join(dims)}, not {', '.join(map(str, ds[v].dims))}")
+            raise InputError(f"{name}: {v} must have dimensions {', '.join(dims)}, "
+                             f"not {', '.join(map(str, ds[v].dims))}")
         ds[v] = ds[v].transpose(*dims)
         if not np.isfinite(ds[v].values).all():
             raise InputError(f"{name}: {v} holds values that are not numbers")
@@ -113,13 +115,14 @@ def _table(path: Path) -> tuple[list[str], Floats]:
     if len(lines) < 2:
         raise InputError("a CSV file needs a head and at least one row of numbers", Where(str(path)))
     mark = next((c for c in (",", ";", "\t") if c in lines[0][1]), None)
-    rows = [s.split() for _, s in lines] if mark is None else list(csv.reader((s for _, s in lines), delimiter=mark))
+    body = [s for _, s in lines]
+    rows = [s.split() for s in body] if mark is None else list(csv.reader(body, delimiter=mark))
     head = [h.strip() for h in rows[0]]
     out = np.zeros((len(rows) - 1, len(head)))
     for k, row in enumerate(rows[1:]):
         line = lines[k + 1][0]
         if len(row) != len(head):
-            raise InputError(f"{len(row)} values, but the head names {len(head)} columns", Where(str(path), line))
+            raise InputError(f"{len(row)} values for {len(head)} columns", Where(str(path), line))
         for c, v in enumerate(row):
             try:
                 out[k, c] = float(v)
@@ -142,8 +145,8 @@ def _target(name: str, path: Path) -> str | tuple[str, tuple[int, ...]]:
         base = {"gradp": "grad_p", "p": "grad_p" if index else "p"}.get(base, base)
         if TENSORS[base][0] == len(index):
             return base, index
-    raise InputError(f'column "{name}" is not known: use time, point, ux, Fxx, Gxxx, G3xxxx, p, px, Hxx or H3xxx '
-                     "(digits 1 2 3 may stand for x y z)", Where(str(path), 1))
+    raise InputError(f'column "{name}" is not known: use time, point, ux, Fxx, Gxxx, G3xxxx, p, px, Hxx, '
+                     "H3xxx (digits 1 2 3 may stand for x y z)", Where(str(path), 1))
 
 
 def read_points(path: str | PathLike[str]) -> tuple[Floats, list[str]]:
@@ -159,7 +162,8 @@ def read_points(path: str | PathLike[str]) -> tuple[Floats, list[str]]:
         head = [c.lower() for c in rows.pop(0)[1]]
     if not rows:
         raise InputError("there are no points in the file", Where(str(p)))
-    points, names = [], []
+    points: list[list[float]] = []
+    names: list[str] = []
     column = next((head.index(n) for n in ("name", "id", "point", "label") if n in head), None)
     for line, row in rows:
         try:

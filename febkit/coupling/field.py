@@ -1,4 +1,4 @@
-"""A solved tissue as the hand-off sees it: nodes, elements, and nodal histories of displacement and pressure."""
+"""A solved tissue as the hand-off sees it: nodes, elements, nodal histories of displacement and pressure."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PRESSURE = ("effective_fluid_pressure", "fluid_pressure")  # the first that is t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """Elements of one type. ``conn`` (element, local node) 0-based; ``part`` (element,) groups of like material."""
+    """Elements of one type: ``conn`` (element, local node) 0-based, ``part`` (element,) their part."""
 
     type: str
     conn: Ints
@@ -99,9 +99,10 @@ def from_dataset(ds: xr.Dataset) -> Field:
         raise InputError("the result holds no solid elements")
     name = next((v for v in PRESSURE if v in ds and "node" in ds[v].dims), None)
     p = None if name is None else np.asarray(ds[name].values, dtype=float).reshape(ds.sizes["time"], -1)
+    source = str(ds.attrs.get("source", ds.encoding.get("source", "")))
+    ids = np.asarray(ds["node_id"].values) if "node_id" in ds.coords else None
     return Field(np.asarray(ds["X"].values, float), blocks, np.asarray(ds["time"].values, float),
-                 np.asarray(ds[DISPLACEMENT].values, float), p, str(ds.attrs.get("source", ds.encoding.get("source", ""))),
-                 ds.attrs.get("units"), np.asarray(ds["node_id"].values) if "node_id" in ds.coords else None)
+                 np.asarray(ds[DISPLACEMENT].values, float), p, source, ds.attrs.get("units"), ids)
 
 
 def _blocks(ds: xr.Dataset) -> tuple[Block, ...]:

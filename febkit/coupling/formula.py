@@ -70,7 +70,7 @@ def _signed(v: float) -> str:
 
 
 def terms_of(coefficient: Floats) -> list[tuple[int, Floats]]:
-    """(term, history) of the coefficients (t, terms) that are not zero at all times, factorials divided out."""
+    """(term, history) of the coefficients (t, terms) that are not always zero, factorials divided out."""
     out = []
     for k in range(coefficient.shape[1]):
         if np.any(coefficient[:, k]):
@@ -106,7 +106,7 @@ def referring(label: str, coefficient: Floats, origin: Floats) -> tuple[str, lis
 
 
 def _chunks(pieces: list[str]) -> list[str]:
-    """Pieces joined by + into texts within :data:`LONGEST`, the first with room for references to the others."""
+    """Pieces joined by + into texts within :data:`LONGEST`, the first with room to refer to the others."""
     out, room = [""], LONGEST - 80
     for p in pieces:
         if out[-1] and len(out[-1]) + 1 + len(p) > room:

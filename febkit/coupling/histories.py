@@ -29,7 +29,7 @@ class Handoff:
     """Histories for nodes at ``X`` (n, 3), reference positions of the cell model, measured from ``origin``.
 
     ``motion`` (t, terms, 3) and ``fluid`` (t, terms) are the coefficients of the series in the offset from
-    ``origin`` (None for an overlay); ``u`` (t, n, 3) and ``p`` (t, n) the values at the nodes, made on demand.
+    ``origin`` (None for an overlay); ``u`` (t, n, 3) and ``p`` (t, n) the values at the nodes.
     ``fluid`` and ``p`` are None where the driving data hold no pressure.
     """
 
@@ -135,7 +135,7 @@ def _rotation(F: Floats) -> Floats:
     a, _, b = np.linalg.svd(F)
     R = a @ b
     a[..., -1] *= np.where(np.linalg.det(R) < 0, -1.0, 1.0)[..., None]
-    return np.asarray(a @ b)
+    return np.asarray(a @ b, dtype=float)
 
 
 def _unrotated(u: Floats) -> Floats:
@@ -145,7 +145,7 @@ def _unrotated(u: Floats) -> Floats:
     R = _rotation(x[:, 1:4].swapaxes(1, 2))  # rows of the coefficients are dx/dX_J
     x = np.einsum("tji,tkj->tki", R, x)
     x[:, 1:4] -= np.eye(3)
-    return x
+    return np.asarray(x)
 
 
 def _from_rest(times: Floats, u: Floats, p: Floats | None) -> tuple[Floats, Floats, Floats | None]:
@@ -179,4 +179,4 @@ def surface_nodes(mesh: Any) -> Ints:
         corners = np.sort(facets[:, :elements.get(kind).corners], axis=1)
         _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
         out.append(facets[first[count == 1]].ravel())
-    return np.unique(np.concatenate(out))
+    return np.asarray(np.unique(np.concatenate(out)))

@@ -73,7 +73,7 @@ def require_inside(field: Field, points: Floats, where: Location, what: str = "p
         return
     from scipy.spatial import cKDTree
 
-    near, node = cKDTree(field.X).query(points[lost])
+    near, node = (np.asarray(a) for a in cKDTree(field.X).query(points[lost]))
     label = node if field.node_ids is None else field.node_ids[node]
     lines = [f"({', '.join(f'{c:g}' for c in points[i])}), {d:.3g} from the nearest node {n}"
              for i, d, n in list(zip(lost, near, label))[:5]]
@@ -122,7 +122,7 @@ def _boxes(X: Floats, block: Block) -> tuple[Floats, Floats, list]:
 
 
 def invert(kind: str, xe: Floats, points: Floats, iterations: int = 30) -> tuple[Floats, NDArray[np.bool_]]:
-    """Natural coordinates (m, 3) of points (m, 3) in elements with nodes ``xe`` (m, n, 3), and which converged."""
+    """Natural coordinates (m, 3) of points (m, 3) in elements ``xe`` (m, n, 3), and which converged."""
     from febkit.solver import elements
 
     e = elements.get(kind)

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .derivatives import Sparse
 from .field import Field
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -58,8 +55,8 @@ def fit(a: Floats, keep: int) -> tuple[Floats, NDArray[np.bool_]]:
 class Topology:
     """Who touches whom: ``nodes`` (element, node) incidence over all blocks, and each element's part."""
 
-    incidence: csr_array
-    corners: csr_array  # as incidence, vertices only
+    incidence: Sparse
+    corners: Sparse  # as incidence, vertices only
     part: Ints
     offset: Ints  # first row of each block
 
@@ -76,7 +73,9 @@ class Topology:
 
         from febkit.solver import elements
 
-        full, vertex, part, start = [], [], [], [0]
+        full: list[Sparse] = []
+        vertex: list[Sparse] = []
+        part, start = [], [0]
         for b in field.blocks:
             for out, conn in ((full, b.conn), (vertex, b.conn[:, :elements.get(b.type).corners])):
                 n, k = conn.shape
@@ -88,7 +87,7 @@ class Topology:
                    np.array(start[:-1]))
 
 
-def only(m: csr_array, part: Ints, own: Ints) -> csr_array:
+def only(m: Sparse, part: Ints, own: Ints) -> Sparse:
     """Keeps entries (row, element) whose element is in the row's own part."""
     row = np.repeat(np.arange(m.shape[0]), np.diff(m.indptr))
     m = m.copy()
@@ -97,7 +96,7 @@ def only(m: csr_array, part: Ints, own: Ints) -> csr_array:
     return m
 
 
-def padded(m: csr_array) -> Ints:
+def padded(m: Sparse) -> Ints:
     """Column indices of each row (rows, width), padded with -1."""
     count = np.diff(m.indptr)
     out = np.full((m.shape[0], int(count.max(initial=0))), -1)
@@ -105,13 +104,13 @@ def padded(m: csr_array) -> Ints:
     return out
 
 
-def grow(top: Topology, patch: csr_array, own: Ints | None) -> csr_array:
+def grow(top: Topology, patch: Sparse, own: Ints | None) -> Sparse:
     """A ring more: all elements (of the row's own part, where given) that touch the patch's elements."""
     out = (patch @ top.corners) @ top.corners.T.tocsr()
     return out if own is None else only(out, top.part, own)
 
 
-def replace_rows(m: csr_array, rows_: Ints, new: csr_array) -> csr_array:
+def replace_rows(m: Sparse, rows_: Ints, new: Sparse) -> Sparse:
     """``m`` with some rows exchanged."""
     from scipy.sparse import vstack
 

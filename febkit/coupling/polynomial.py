@@ -6,37 +6,31 @@ recovery (Zhang & Naga, SIAM J Sci Comput 26 (2005) 1192), centred at the point 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import InputError
 
-from .derivatives import COUNT, monomials, rows
+from .derivatives import COUNT, Sparse, monomials, rows
 from .field import Field
 from .location import Location
 from .patch import Topology, fit, grow, padded, replace_rows, terms_of_degree
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-_MAX_DEGREE = 4
-
 
 def by_polynomial(field: Field, where: Location, points: Floats, order: int, *, degree: int | None = None,
-                  rings: int = 1, own_part: bool = True) -> tuple[csr_array, Ints]:
+                  rings: int = 1, own_part: bool = True) -> tuple[Sparse, Ints]:
     """Rows of derivatives up to ``order`` from a least-squares polynomial, and terms lost per point.
 
     The patch is the point's element and ``rings`` rings of elements around it, of the same part where
     ``own_part``; it grows where it cannot resolve the polynomial (near the surface, in coarse parts).
-    ``degree`` is that of the polynomial, by default ``order`` + 1, at least 2.
+    ``degree`` is that of the polynomial, by default ``order``, at least 2: higher ones pass the tissue's
+    node-to-node errors on (measured, see docs/handoff.md).
     Raises InputError where the mesh is too small for even the first derivatives.
     """
-    degree = min(max(order + 1, 2), _MAX_DEGREE) if degree is None else degree
+    degree = max(order, 2) if degree is None else degree
     if degree < order:
         raise InputError(f"a polynomial of degree {degree} has no derivatives of order {order}")
     top = Topology.of(field)
@@ -54,7 +48,8 @@ def by_polynomial(field: Field, where: Location, points: Floats, order: int, *, 
     return rows(len(points), columns, weights, len(field.X)), lost
 
 
-def _polynomial_weights(X: Floats, columns: Ints, points: Floats, degree: int, keep: int) -> tuple[Floats, Ints]:
+def _polynomial_weights(X: Floats, columns: Ints, points: Floats, degree: int,
+                        keep: int) -> tuple[Floats, Ints]:
     """Weights (m, n, keep) of the patch's nodes in the derivatives at the points, and terms lost (m,)."""
     live = columns >= 0
     d = np.where(live[..., None], X[columns] - points[:, None], 0.0)
@@ -81,7 +76,7 @@ def _node_patches(field: Field, top: Topology, cells: Ints, degree: int, rings: 
         patch = grow(top, patch, own)
     need = 1.2 * len(terms_of_degree(degree))
     for _ in range(3):
-        short = np.nonzero(_poor(field, top, patch, cells, degree, need))[0]
+        short = np.nonzero(_poor(field, top, patch, degree, need))[0]
         if not len(short):
             break
         wider = grow(top, patch[short], None if own is None else own[short])
@@ -93,10 +88,10 @@ def _node_patches(field: Field, top: Topology, cells: Ints, degree: int, rings: 
     return padded(nodes)
 
 
-def _poor(field: Field, top: Topology, patch: csr_array, cells: Ints, degree: int, need: float) -> NDArray[np.bool_]:
+def _poor(field: Field, top: Topology, patch: Sparse, degree: int, need: float) -> NDArray[np.bool_]:
     """Patches with too few nodes for the polynomial, or with nodes in too few planes."""
     columns = padded(patch @ top.incidence)
-    few = (columns >= 0).sum(axis=1) < need
+    few = np.asarray((columns >= 0).sum(axis=1) < need)
     todo = np.nonzero(~few)[0]
     if len(todo):
         live = columns[todo] >= 0

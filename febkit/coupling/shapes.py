@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,7 @@ def shape(kind: str, r: Floats, order: int) -> Floats:
         lower = np.maximum(lower, 0)
         mono = power[0][:, lower[:, 0]] * power[1][:, lower[:, 1]] * power[2][:, lower[:, 2]]
         value = (mono * factor) @ e.coefficients
+        same: Any
         for same in set(_permutations(axes)):
             out[(slice(None), slice(None), *same)] = value
     return out

@@ -7,25 +7,20 @@ derivatives apply the same to the recovered field. At the surface the patch grow
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from .derivatives import COUNT, TERMS, by_element, element_weights, monomials, rows
+from .derivatives import COUNT, TERMS, Sparse, by_element, element_weights, monomials, rows
 from .field import Field
 from .location import Location
 from .patch import Topology, fit, grow, only, padded, terms_of_degree
 from .shapes import barlow, parents
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def by_patches(field: Field, where: Location, order: int, *, own_part: bool = True) -> tuple[csr_array, Ints]:
+def by_patches(field: Field, where: Location, order: int, *, own_part: bool = True) -> tuple[Sparse, Ints]:
     """Rows of derivatives up to ``order``, and the number of terms lost at each point.
 
     The value is the element's own. A first derivative is interpolated from recovered nodal gradients, a
@@ -52,36 +47,37 @@ def by_patches(field: Field, where: Location, order: int, *, own_part: bool = Tr
     return stacked[(back[:, None] * k + np.arange(k)).ravel()], lost
 
 
-def _in_part(field: Field, top: Topology, where: Location, order: int, part: int) -> tuple[csr_array, int]:
+def _in_part(field: Field, top: Topology, where: Location, order: int, part: int) -> tuple[Sparse, int]:
     """Rows for points of one part (-1: all parts are alike)."""
     from scipy.sparse import vstack
 
-    level = {(): by_element(field, where, 1)}
+    level: dict[tuple[int, ...], Sparse] = {(): by_element(field, where, 1)}
     found = dict(level)
     lost = 0
     for _ in range(order):
         used = np.unique(np.concatenate([m.indices for m in level.values()]))
         gradient, gone = nodal_gradient(field, top, used, part)
         lost += gone
-        paths: dict[tuple[int, ...], list[csr_array]] = {}
+        paths: dict[tuple[int, ...], list[Sparse]] = {}
         for axes, m in level.items():
             for axis in range(3):
                 paths.setdefault(tuple(sorted((*axes, axis))), []).append(m @ gradient[axis])
         level = {axes: _mean(ms) for axes, ms in paths.items()}
         found |= level
-    m, k = len(where.block), COUNT[order]
+    k = COUNT[order]
+    m = len(where.block)
     stacked = vstack([found[t] for t in TERMS[:k]], format="csr")
     return stacked[(np.arange(m)[:, None] + m * np.arange(k)).ravel()], lost
 
 
-def _mean(paths: list[csr_array]) -> csr_array:
+def _mean(paths: list[Sparse]) -> Sparse:
     out = paths[0]
     for p in paths[1:]:
         out = out + p
     return out / len(paths)
 
 
-def nodal_gradient(field: Field, top: Topology, nodes: Ints, part: int = -1) -> tuple[list[csr_array], int]:
+def nodal_gradient(field: Field, top: Topology, nodes: Ints, part: int = -1) -> tuple[list[Sparse], int]:
     """Recovered d/dX, d/dY, d/dZ as sparse operators (n, n) with rows at ``nodes``, and terms lost.
 
     A mid-side node takes the mean of the polynomials of the vertices its edge, face or element ends in.
@@ -108,7 +104,7 @@ def nodal_gradient(field: Field, top: Topology, nodes: Ints, part: int = -1) -> 
 
 
 def _vertices(field: Field) -> Ints:
-    """The vertices (node, <= 8) each node is recovered from: itself, or the ends of its edge, face or element."""
+    """Vertices (node, <= 8) each node is recovered from: itself, or those of its edge, face or element."""
     if "vertices" not in field.cache:
         out = np.full((len(field.X), 8), -1)
         for b in field.blocks:
@@ -120,8 +116,8 @@ def _vertices(field: Field) -> Ints:
     return field.cache["vertices"]  # type: ignore[no-any-return]
 
 
-def _samples(field: Field, top: Topology) -> tuple[Floats, list[csr_array], Ints, int]:
-    """Superconvergent points (s, 3), the gradient there as sparse rows, first sample of each element, degree."""
+def _samples(field: Field, top: Topology) -> tuple[Floats, list[Sparse], Ints, int]:
+    """Superconvergent points (s, 3), gradient there as sparse rows, first sample of each element, degree."""
     from scipy.sparse import vstack
 
     if "samples" not in field.cache:
@@ -138,12 +134,13 @@ def _samples(field: Field, top: Topology) -> tuple[Floats, list[csr_array], Ints
             count.append(np.full(n, g))
         first = np.concatenate([[0], np.cumsum(np.concatenate(count))])
         degree = min(barlow(b.type)[1] for b in field.blocks)
-        field.cache["samples"] = (np.concatenate(points), [vstack(s, format="csr") for s in sampling], first, degree)
+        gradients = [vstack(s, format="csr") for s in sampling]
+        field.cache["samples"] = (np.concatenate(points), gradients, first, degree)
     return field.cache["samples"]  # type: ignore[no-any-return]
 
 
 def _fits(field: Field, top: Topology, vertices: Ints, inverse: Ints, offsets: Floats, points: Floats,
-          first: Ints, degree: int, part: int) -> tuple[csr_array, int]:
+          first: Ints, degree: int, part: int) -> tuple[Sparse, int]:
     """Rows (pair, sample): the polynomial around vertex ``vertices[inverse]``, evaluated ``offsets`` away."""
     from scipy.sparse import csr_array, vstack
 
@@ -196,12 +193,13 @@ def _sample_columns(elements: Ints, first: Ints) -> Ints:
     start = np.where(elements >= 0, first[elements], -1)
     stop = np.where(elements >= 0, first[elements + 1], -1)
     columns = start[..., None] + np.arange(each)
-    return np.where((columns < stop[..., None]) & (start[..., None] >= 0), columns, -1).reshape(len(elements), -1)
+    live = (columns < stop[..., None]) & (start[..., None] >= 0)
+    return np.where(live, columns, -1).reshape(len(elements), -1)
 
 
 def _vertex_weights(x: Floats, columns: Ints, points: Floats,
                     terms: tuple[tuple[int, ...], ...]) -> tuple[Floats, NDArray[np.bool_], Floats]:
-    """Weights (v, sample, term) of the samples in the coefficients, terms lost (v, term), and patch sizes (v,)."""
+    """Weights (v, sample, term) of samples in the coefficients, terms lost (v, term), patch sizes (v,)."""
     live = columns >= 0
     d = np.where(live[..., None], points[columns] - x[:, None], 0.0)
     size = np.maximum(np.sqrt((d * d).sum(axis=2).max(axis=1)), 1e-300)

@@ -23,13 +23,13 @@ from .superconvergent import by_patches
 
 if TYPE_CHECKING:
     import xarray as xr
-    from scipy.sparse import csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Chosen from the table that `febkit.coupling.accuracy` makes; see docs of that module for the numbers
-DEFAULT_RECOVERY = "polynomial"
+# chosen from the tables of docs/handoff.md (made by febkit.coupling.accuracy): it errs least of the three
+# while the tissue's pressures still swing from node to node, and is as good as the polynomial later
+DEFAULT_RECOVERY = "patches"
 
 ELEMENT_NOTE = (
     "element: the element's own derivatives. In a trilinear brick that is a parallelepiped the pure second "
@@ -44,18 +44,21 @@ class Recovery:
 
     name: str
     text: str
-    rows: Callable[[Field, Location, Floats, int, bool], tuple[csr_array, Ints]]
+    rows: Callable[[Field, Location, Floats, int, bool], tuple[Any, Ints]]
 
 
-def _element(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+Rows = tuple[Any, Ints]
+
+
+def _element(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> Rows:
     return by_element(field, where, COUNT[order]), np.zeros(len(points), dtype=np.int64)
 
 
-def _polynomial(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+def _polynomial(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> Rows:
     return by_polynomial(field, where, points, order, own_part=own_part)
 
 
-def _patches(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> tuple[Any, Ints]:
+def _patches(field: Field, where: Location, points: Floats, order: int, own_part: bool) -> Rows:
     return by_patches(field, where, order, own_part=own_part)
 
 
@@ -70,8 +73,9 @@ RECOVERIES = {
 }
 
 
-def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER, recovery: str = DEFAULT_RECOVERY,
-           times: Any = None, names: Any = None, own_part: bool = True) -> xr.Dataset:
+def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER,
+           recovery: str = DEFAULT_RECOVERY, times: Any = None, names: Any = None,
+           own_part: bool = True) -> xr.Dataset:
     """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.
 
     Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G``
@@ -139,20 +143,22 @@ def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost
         fields["p"] = (("point", "time"), values[..., 0, 3])
     fields |= {
         "X": (("point", "i"), points),
-        "element_id": (("point",), np.array([field.blocks[b].ids[e] for b, e in zip(where.block, where.element)])),
+        "element_id": (("point",), np.array([field.blocks[b].ids[e]
+                                             for b, e in zip(where.block, where.element)])),
         "natural": (("point", "axis"), where.r),
         "sharing": (("point",), where.sharing, {"long_name": "elements that hold the point"}),
         "element_size": (("point",), element_size(field, where)),
         "terms_lost": (("point",), lost, {"long_name": "terms the patch could not resolve, taken as 0"}),
     }
-    coords: dict[str, Any] = {"time": field.times, "point": np.arange(len(points)) if names is None else names,
-                              "i": list("xyz"), "J": list("xyz")[:3], "K": list("xyz"), "L": list("xyz")}
-    coords = {k: v for k, v in coords.items() if k in ("time", "point") or any(k in f[0] for f in fields.values())}
+    coords: dict[str, Any] = {"time": field.times,
+                              "point": np.arange(len(points)) if names is None else list(names)}
+    coords |= {k: list("xyz") for k in "iJKL" if any(k in f[0] for f in fields.values())}
     attrs = {
         "title": "Taylor series of a tissue's motion and pressure", "order": order, "recovery": method.name,
         "recovery_text": method.text, "source": field.source, "febkit_version": __version__,
         "elements": ", ".join(f"{len(b.conn)} {b.type}" for b in field.blocks),
-        "formula": "x = x0 + F X + G XX/2 + G3 XXX/6; p = p0 + grad_p X + H XX/2 + H3 XXX/6; X from the point",
+        "formula": "x = x0 + F X + G XX/2 + G3 XXX/6; p = p0 + grad_p X + H XX/2 + H3 XXX/6; "
+                   "X from the point",
     }
     if field.units:
         attrs["units_system"] = field.units
