@@ -27,10 +27,15 @@ _COMPARE: dict[type, Callable[[Any, Any], Any]] = {
 }
 
 
-def must_points(times: list[float], longest: float) -> list[tuple[float, float]]:
-    """(time, largest step to reach it) of a dtmax curve with must points at ``times``."""
+def must_points(times: list[float], longest: float, early: float = math.inf,
+                until: float = 0.0) -> list[tuple[float, float]]:
+    """(time, largest step to reach it) of a dtmax curve with must points at ``times``.
+
+    Steps are no longer than ``longest``, and up to time ``until`` no longer than ``early``.
+    """
     steps = [b - a for a, b in pairwise(times)]
-    return [(t, min(dt, longest)) for t, dt in zip(times, steps[:1] + steps, strict=True)]
+    return [(t, min(dt, longest, early if t <= until else longest))
+            for t, dt in zip(times, steps[:1] + steps, strict=True)]
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {

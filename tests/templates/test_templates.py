@@ -233,6 +233,7 @@ def test_fill_writes_numbers_as_feb_does() -> None:
 
 def test_must_points_keep_to_the_longest_step() -> None:
     assert must_points([0, 1, 3, 10], 5.0) == [(0, 1), (1, 1), (3, 2), (10, 5.0)]
+    assert must_points([0, 1, 3, 10], 5.0, 0.5, 1.0) == [(0, 0.5), (1, 0.5), (3, 2), (10, 5.0)]
 
 
 # folders of one's own
