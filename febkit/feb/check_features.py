@@ -18,7 +18,8 @@ KINDS = {"bc": "bc", "nodal_load": "nodal_load", "surface_load": "surface_load",
          "rigid_bc": "bc", "rigid_ic": "ic", "rigid_load": "load", "rigid_connector": "constraint",
          "mesh_adaptor": "mesh_adaptor", "material": "material", "discrete_material": "discrete_material"}
 ATTRS = {"bc": {"node_set", "surface", "surface_pair"}, "nodal_load": {"node_set"},
-         "surface_load": {"surface"}, "edge_load": {"edge"}, "body_load": {"elem_set"}, "contact": {"surface_pair", "surface"},
+         "surface_load": {"surface"}, "edge_load": {"edge"}, "body_load": {"elem_set"},
+         "contact": {"surface_pair", "surface"},
          "constraint": {"surface", "elem_set", "node_set"}, "ic": {"node_set"}, "rigid_bc": set(),
          "rigid_ic": set(), "rigid_load": set(), "rigid_connector": set(), "mesh_adaptor": {"elem_set"}}
 FIELDS = {"boundary": ("bc",), "loads": ("nodal_load", "surface_load", "edge_load", "body_load"),

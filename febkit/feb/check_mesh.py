@@ -71,10 +71,10 @@ def check(model: Model) -> Iterator[Finding]:
             continue
         bad = np.flatnonzero(det <= 0)
         if len(bad):
-            exact = CORNERS[b.type][2]
-            yield Finding("error" if exact else "warning",
-                          f'part "{b.name}": {len(bad)} of {len(det)} elements are turned inside out or flat, '
-                          f"first element {b.ids[bad[0]]}", row_place(model, b, int(bad[0])))
+            severity = "error" if CORNERS[b.type][2] else "warning"
+            message = (f'part "{b.name}": {len(bad)} of {len(det)} elements are turned inside out or flat, '
+                       f"first element {b.ids[bad[0]]}")
+            yield Finding(severity, message, row_place(model, b, int(bad[0])))
     yield from duplicates(model)
     yield from unused(model)
 

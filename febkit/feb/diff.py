@@ -1,4 +1,7 @@
-"""What two models mean differently: numbers as numbers, sets by their members, order where it matters."""
+"""What two models mean differently: numbers as numbers, sets by their members, order where it matters.
+
+Names of conditions and steps, and ids that only number, are no part of the meaning.
+"""
 
 from __future__ import annotations
 
@@ -190,13 +193,31 @@ class _Diff:
 
     def same_set(self, attr: str, x: str | None, y: str | None) -> bool:
         """Two names of one set of nodes or elements."""
+        if x is None or y is None:
+            return False
+        if attr == "surface":
+            return self.same_surface(x, y)
+        if attr == "surface_pair":
+            p, q = self.a.mesh.surface_pairs.get(x), self.b.mesh.surface_pairs.get(y)
+            return p is not None and q is not None and all(
+                self.same_surface(*s) for s in ((p.primary, q.primary), (p.secondary, q.secondary)))
+        if attr == "discrete_set":
+            d, e = self.a.mesh.discrete_sets.get(x), self.b.mesh.discrete_sets.get(y)
+            return d is not None and e is not None and np.array_equal(d.pairs, e.pairs)
         resolve = {"node_set": node_indices, "elem_set": element_ids}.get(attr)
-        if resolve is None or x is None or y is None:
+        if resolve is None:
             return False
         try:
             return np.array_equal(np.unique(resolve(self.a.mesh, x)), np.unique(resolve(self.b.mesh, y)))
         except InputError:
             return False
+
+    def same_surface(self, x: str, y: str) -> bool:
+        """Two names of one set of facets."""
+        s, t = self.a.mesh.surfaces.get(x), self.b.mesh.surfaces.get(y)
+        if s is None or t is None or s.facets.keys() != t.facets.keys():
+            return False
+        return all(np.array_equal(s.facets[k], t.facets[k]) for k in s.facets)
 
     # -- the rest
     def domains(self) -> None:

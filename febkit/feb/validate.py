@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib.util import find_spec
-from os import PathLike
+from os import PathLike, fspath
 
 import numpy as np
 
@@ -19,26 +18,32 @@ UNITS = ("SI", "mm-N-s", "mm-kg-s", "um-nN-s", "CGS", "mm-g-s", "mm-mg-s")
 ORDER = {"error": 0, "unsupported": 1, "warning": 2, "hint": 3}
 
 
-def validate(path: str | PathLike[str], solvable: bool = True) -> list[Finding]:
+def validate(path: str | PathLike[str], solvable: bool = False) -> list[Finding]:
     """What is wrong, doubtful or unsupported in a .feb file, by severity and place.
 
-    ``solvable`` also asks whether febkit can solve it. A file that cannot be read gives one error.
+    ``solvable`` also asks, in a process of its own, whether febkit can solve it. A file that cannot be
+    read gives one error.
     """
     try:
         model = read(path)
     except InputError as e:
-        return [Finding("error", e.message, e.where or Where(str(path)))]
-    return check(model, solvable)
-
-
-def check(model: Model, solvable: bool = True) -> list[Finding]:
-    """The same for a model in memory."""
-    found = [*_document(model), *check_features.check(model), *check_references.check(model),
-             *check_mesh.check(model), *_sense(model)]
+        return [Finding("error", e.message, e.where or Where(fspath(path)))]
+    found = check(model)
     if solvable and not any(f.severity == "error" for f in found):
-        found += _unsupported(model)
-    unique = list(dict.fromkeys(found))
-    return sorted(unique, key=lambda f: (ORDER[f.severity], f.where.file, f.where.line))
+        from . import solvable as solver
+
+        found = _sorted([*found, *solver.ask(fspath(path))])
+    return found
+
+
+def check(model: Model) -> list[Finding]:
+    """The same for a model in memory, the solver not asked."""
+    return _sorted([*_document(model), *check_features.check(model), *check_references.check(model),
+                    *check_mesh.check(model), *_sense(model)])
+
+
+def _sorted(found: list[Finding]) -> list[Finding]:
+    return sorted(dict.fromkeys(found), key=lambda f: (ORDER[f.severity], f.where.file, f.where.line))
 
 
 def _document(model: Model) -> Iterator[Finding]:
@@ -69,15 +74,3 @@ def _sense(model: Model) -> Iterator[Finding]:
         yield Finding("hint", f'units "{model.units}" are none of FEBio\'s: {", ".join(UNITS)}', place)
     elif model.units == "SI" and extent > 10.0:
         yield Finding("hint", f"units are SI and the model is {extent:.3g} m long", place)
-
-
-def _unsupported(model: Model) -> list[Finding]:
-    """What febkit's solver lacks for it; empty where it can solve it or the solver is not there."""
-    if find_spec("febkit.lower") is None:
-        return []
-    from febkit.lower import unsupported
-
-    try:
-        return [Finding("unsupported", e.message, e.where or Where(model.file)) for e in unsupported(model)]
-    except InputError as e:
-        return [Finding("error", e.message, e.where or Where(model.file))]
