@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -37,9 +38,9 @@ def _dyad(v: Floats) -> Floats:
 class Criterion:
     """``of(base, pts)`` (n,); ``gradient(base, pts)`` d/d sigma (n, 3, 3) where it is a yield criterion."""
 
-    parameters = ()
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     def of(self, base: Solid, pts: Points) -> Floats:
         raise NotImplementedError

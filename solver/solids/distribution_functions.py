@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,9 +19,9 @@ class DistributionFunction:
     """``cdf(pts, X)`` of X (n,) or (n, m); ``damage`` is Dmax times it."""
 
     Dmax: Number = field(default=1.0, kw_only=True)
-    parameters = ("Dmax",)
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ("Dmax",)
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     def p(self, name: str, pts: Points, X: Floats) -> Floats:
         """A parameter, shaped to go with X."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,10 +18,10 @@ from .voigt import matrix
 class Distribution:
     """Density R(N) of unit vectors ``N`` (1|n, m, 3) in local axes, as (1|n, m)."""
 
-    parameters = ()
-    vectors = {}
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    vectors: ClassVar[dict[str, int]] = {}
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     def value(self, name: str, pts: Points) -> Floats:
         """A parameter as (1|n, 1)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -42,8 +42,8 @@ class _Ellipsoidal(Solid):
 
     beta: Any = (2.0, 2.0, 2.0)
     ksi: Any = (0.0, 0.0, 0.0)
-    parameters = ("beta", "ksi")
-    vectors = {"beta": 3, "ksi": 3}
+    parameters: ClassVar[tuple[str, ...]] = ("beta", "ksi")
+    vectors: ClassVar[dict[str, int]] = {"beta": 3, "ksi": 3}
     iso = False
     dome = False
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,9 +21,9 @@ class FlowCurve:
     Zimmerman, Jiang & Ateshian, J. Biomech. Eng. 143 (2021) 041002.
     """
 
-    parameters = ()
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     @property
     def size(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from .uncoupled import Uncoupled, add_volumetric
 @dataclass(eq=False)
 class _Fung(Engineering):
     c: Number = field(default=1.0, kw_only=True)
-    parameters = (*Engineering.parameters, "c")
+    parameters: ClassVar[tuple[str, ...]] = (*Engineering.parameters, "c")
 
     def law(self, pts: Points, E: Floats) -> tuple[Floats, Floats, Floats]:
         par = self.par(pts)  # type: ignore[attr-defined]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -19,9 +19,9 @@ class Growth:
     """``tensor(pts)`` (1|n, 3, 3) and ``density(pts)`` (1|n,), the mass added per mass."""
 
     fiber: Any = field(default=None, kw_only=True)
-    parameters = ()
-    options = ()
-    properties = {"fiber": Property("direction", optional=True, default="vector")}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {"fiber": Property("direction", optional=True, default="vector")}
 
     def factors(self, pts: Points) -> tuple[Floats, Floats]:
         """iso and ani, each (1|n,)."""

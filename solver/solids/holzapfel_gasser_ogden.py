@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class _Wall(Solid):
     k2: Number = 0.0
     kappa: Number = 0.0
     gamma: Number = 0.0
-    parameters = ("c", "k1", "k2", "kappa", "gamma")
+    parameters: ClassVar[tuple[str, ...]] = ("c", "k1", "k2", "kappa", "gamma")
     iso = False
 
     def _families(self, pts: Points) -> tuple[Floats, list[Floats], Floats]:

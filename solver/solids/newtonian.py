@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,8 +29,8 @@ class _Viscous:
     kappa: Number = 0.0
     mu: Number = 0.0
     secant_tangent: int = 0
-    parameters = ("kappa", "mu")
-    options = ("secant_tangent",)
+    parameters: ClassVar[tuple[str, ...]] = ("kappa", "mu")
+    options: ClassVar[tuple[str, ...]] = ("secant_tangent",)
     history = 9
 
     def initial(self, n: int) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -38,7 +39,7 @@ class Engineering:
     v12: Number = 0.0
     v23: Number = 0.0
     v31: Number = 0.0
-    parameters = ("E1", "E2", "E3", "G12", "G23", "G31", "v12", "v23", "v31")
+    parameters: ClassVar[tuple[str, ...]] = ("E1", "E2", "E3", "G12", "G23", "G31", "v12", "v23", "v31")
 
     def stiffness(self, par: Floats) -> Floats:
         """D (k, 6, 6) in local axes, from the inverse of the compliance."""

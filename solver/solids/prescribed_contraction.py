@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class _Contraction:
     """S = T0 M with M constant in the reference: the tangent is zero."""
 
     T0: Number = 0.0
-    parameters = ("T0",)
+    parameters: ClassVar[tuple[str, ...]] = ("T0",)
     along, around = 1.0, 0.0
 
     def _add(self, pts: Points, s: Floats) -> None:

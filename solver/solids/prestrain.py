@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from .uncoupled import Uncoupled, distortional, distortional_energy
 class _Prestrained:
     elastic: Solid | None = None
     prestrain: Any = None
-    properties = {
+    properties: ClassVar[dict[str, Property]] = {
         "elastic": Property("solid"),
         "prestrain": Property("prestrain", optional=True),
     }
@@ -71,10 +71,10 @@ class PrestrainGradient:
 
     ramp: Number = 1.0
     F0: Any = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-    parameters = ("ramp", "F0")
-    vectors = {"F0": 9}
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ("ramp", "F0")
+    vectors: ClassVar[dict[str, int]] = {"F0": 9}
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
     solid: Any = None
 
     def gradient(self, pts: Points) -> Floats:
@@ -95,9 +95,9 @@ class InSituStretch:
 
     stretch: Number = 1.0
     isochoric: int = 1
-    parameters = ("stretch",)
-    options = ("isochoric",)
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ("stretch",)
+    options: ClassVar[tuple[str, ...]] = ("isochoric",)
+    properties: ClassVar[dict[str, Property]] = {}
     solid: Any = None
 
     def gradient(self, pts: Points) -> Floats:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.push import add_scaled
 from ..points import Points
-from .base import Floats, Number, Property, Solid, wanted
+from .base import Floats, Number, Property, Solid
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
 from .registry import register
@@ -21,6 +20,7 @@ _HEAD = 10  # number of generations, F of the last state
 _EACH = 11  # per generation: v, J, f, recruited, K2, U
 _V, _J, _F, _R, _K = range(5)
 _U = slice(5, 11)
+_BATCH = 1 << 13  # points of all generations evaluated at a time
 Law = Callable[[Points, Floats, Floats | None], None]
 
 
@@ -41,9 +41,9 @@ class _Bonds:
     emin: Number = 0.0
     kinetics: int = 1
     trigger: int = 0
-    parameters = ("wmin", "emin")
-    options = ("kinetics", "trigger")
-    properties = {
+    parameters: ClassVar[tuple[str, ...]] = ("wmin", "emin")
+    options: ClassVar[tuple[str, ...]] = ("kinetics", "trigger")
+    properties: ClassVar[dict[str, Property]] = {
         "elastic": Property("solid"),
         "bond": Property("solid"),
         "relaxation": Property("relaxation"),
@@ -163,43 +163,61 @@ class _Bonds:
         count[thin] -= 1
 
     def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
-        """(points as generation g sees them, weight (n,)) for each generation with any weight."""
-        w = self._weights(pts, gen, rate) * gen[:, :, _R]
-        w = np.where(np.arange(gen.shape[1]) < count[:, None], w, 0.0)
+        """(points as a batch of generations sees them, generations in it, weights (n, b), J (n, b))."""
+        n, top = pts.n, max(int(count.max(initial=0)), 1)
+        w = self._weights(pts, gen[:, :top], rate) * gen[:, :top, _R]
+        w = np.where(np.arange(top) < count[:, None], w, 0.0)
         w[count == 0, 0] = 1.0
-        prestretch = isinstance(self.bond, (ContinuousFibers, ContinuousFibersUncoupled))
-        yield pts, np.ascontiguousarray(w[:, 0]), np.ones(pts.n)
-        for g in range(1, int(count.max(initial=0))):
-            has = g < count
-            U = np.where(has[:, None, None], matrix(gen[:, g - 1, _U]), np.eye(3))
-            Jg = np.where(has, gen[:, g - 1, _J], 1.0)
-            at = replace(pts, F=np.ascontiguousarray(pts.F @ np.linalg.inv(U)), J=pts.J / Jg)
-            if prestretch:
-                at = replace(at, extra={**pts.extra, "prestretch": U})
-            yield at, np.ascontiguousarray(w[:, g]), Jg
+        has = np.arange(1, top) < count[:, None]
+        U = np.empty((n, top, 3, 3))
+        U[:, 0] = np.eye(3)
+        U[:, 1:] = np.where(has[..., None, None], matrix(gen[:, : top - 1, _U]), np.eye(3))
+        J = np.ones((n, top))
+        J[:, 1:] = np.where(has, gen[:, : top - 1, _J], 1.0)
+        used = np.flatnonzero((w != 0.0).any(0))
+        step = max(1, _BATCH // n) if not any(m.history for m in self.bond.walk()) else 1  # type: ignore[union-attr]
+        for a in range(0, len(used), step):
+            some = used[a : a + step]
+            yield self._repeat(pts, U[:, some], J[:, some]), len(some), w[:, some], J[:, some]
+
+    def _repeat(self, pts: Points, U: Floats, J: Floats) -> Points:
+        """Each point once for each of b generations of birth state U (n, b, 3, 3)."""
+        b = U.shape[1]
+
+        def times(x: Floats | None) -> Any:
+            return x if x is None or len(x) == 1 or b == 1 else np.repeat(x, b, axis=0)
+
+        F = np.ascontiguousarray((pts.F[:, None] @ np.linalg.inv(U)).reshape(-1, 3, 3))
+        extra = {k: times(v) if isinstance(v, np.ndarray) else v for k, v in pts.extra.items()}
+        if isinstance(self.bond, (ContinuousFibers, ContinuousFibersUncoupled)):
+            extra["prestretch"] = np.ascontiguousarray(U.reshape(-1, 3, 3))
+        same = {} if b == 1 else {"X": times(pts.X), "e": times(pts.e), "old": None, "new": None}
+        return replace(pts, F=F, J=(pts.J[:, None] / J).ravel(), Q=times(pts.Q), extra=extra, **same)
 
     def _sum(self, pts: Points, s: Floats, c: Floats | None, strong: Law, bond: Law, rest: bool) -> None:
         within = self.inner(pts)  # type: ignore[attr-defined]
         strong(within, s, c)
         gen, count, rate = self._advance(within, strong)
         intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
-        sb = np.empty((pts.n, 6))
-        cb = None if c is None else np.empty((pts.n, 6, 6))
-        for at, w, Jg in self._states(within, gen, count, rate):
-            sb[:] = 0.0
-            if cb is not None:
-                cb[:] = 0.0
+        for at, b, w, J in self._states(within, gen, count, rate):
+            sb = np.zeros((at.n, 6))
+            cb = None if c is None else np.zeros((at.n, 6, 6))
             bond(at, sb, cb)
-            k = np.ascontiguousarray(np.broadcast_to(intact * w / Jg, (pts.n,)))
-            add_scaled(k, sb if not rest else 0.0 * sb, wanted(cb), s, wanted(c))
+            k = w / J
+            weak = np.einsum("ng,ngi->ni", k, sb.reshape(pts.n, b, 6))
+            if not rest:
+                s += np.asarray(intact).reshape(-1, 1) * weak
+            if c is not None and cb is not None:
+                stiff = np.einsum("ng,ngij->nij", k, cb.reshape(pts.n, b, 6, 6))
+                c += np.asarray(intact).reshape(-1, 1, 1) * stiff
 
     def _sum_energy(self, pts: Points, energy: Callable[[Solid, Points], Floats], law: Law) -> Floats:
         within = self.inner(pts)  # type: ignore[attr-defined]
         gen, count, rate = self._advance(within, law)
         intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
         out = energy(self.elastic, within)  # type: ignore[arg-type]
-        for at, w, _ in self._states(within, gen, count, rate):
-            out = out + intact * w * energy(self.bond, at)  # type: ignore[arg-type]
+        for at, b, w, _ in self._states(within, gen, count, rate):
+            out = out + intact * (w * energy(self.bond, at).reshape(pts.n, b)).sum(1)  # type: ignore[arg-type]
         return out
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,9 +24,9 @@ Curve = Callable[[Floats], Floats]
 class Relaxation:
     """g(t)."""
 
-    parameters = ()
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     def p(self, name: str, pts: Points) -> Floats:
         """A parameter as (1|n, 1)."""
@@ -211,8 +212,9 @@ def malkin(t: Floats, tau1: Floats, tau2: Floats, beta: Floats) -> Floats:
     from scipy.special import expi, gamma, gammaincc
 
     x, b = np.where(t > 0, t, 1.0), np.where(beta == 1, 1.5, beta - 1.0)
-    Q = (gammaincc(b, x / tau2) - gammaincc(b, x / tau1)) * gamma(b)
-    power = b * x**-b * Q / (tau1**-b - tau2**-b)
+    p = np.where(b > 0, b, 0.5)
+    Q = (gammaincc(p, x / tau2) - gammaincc(p, x / tau1)) * gamma(p)
+    power = np.where(b > 0, p * x**-p * Q / (tau1**-p - tau2**-p), 0.0)  # beta < 1: all at once, as in FEBio
     ratio = np.where(tau1 == tau2, 2.0, tau1 / tau2)
     g = np.where(beta == 1, (expi(-x / tau2) - expi(-x / tau1)) / np.log(ratio), power)
     return np.where(t > 0, g, 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from .uncoupled import Uncoupled, distortional, distortional_energy
 class _Scaled:
     solid: Solid | None = None
     scale: Number = 1.0
-    parameters = ("scale",)
-    properties = {"solid": Property("solid")}
+    parameters: ClassVar[tuple[str, ...]] = ("scale",)
+    properties: ClassVar[dict[str, Property]] = {"solid": Property("solid")}
 
     def _factor(self, pts: Points) -> Floats:
         return np.ascontiguousarray(np.broadcast_to(self.par(pts)[:, 0], (pts.n,)))  # type: ignore[attr-defined]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 from functools import lru_cache
 from pathlib import Path
 
@@ -35,9 +36,9 @@ class Scheme:
     """``whole()`` gives directions (1, m, 3) and weights (1, m) over all of the sphere or circle; ``taut(C)`` those
     that FEBio sums for right Cauchy-Green tensors ``C`` (n, 3, 3), (1|n, m, 3) and (1|n, m)."""
 
-    parameters = ()
-    options = ()
-    properties = {}
+    parameters: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
+    properties: ClassVar[dict[str, Property]] = {}
 
     def whole(self) -> tuple[Floats, Floats]:
         raise NotImplementedError
