@@ -25,7 +25,7 @@ _STATUS = re.compile(rf"Nonlinear solution status: time=\s*{_NUMBER}")
 _COUNT = re.compile(rf"^\s*(stiffness updates|right hand side evaluations|stiffness matrix reformations"
                     rf"|step from line search)\s*=\s*{_NUMBER}")
 _NORM = re.compile(rf"^\s+([A-Za-z][\w ()]*?)\s+{_NUMBER}\s+{_NUMBER}\s+{_NUMBER}\s*$")
-_SUMMARY = re.compile(rf"^\s*([A-Z][\w ,()/-]*?)\s*\.*\s*:\s*{_NUMBER}\s*(?:\(([^)]*)\))?\s*$")
+_SUMMARY = re.compile(r"^\s*([A-Za-z][\w ,()/-]*?)\s*\.*\s*:\s*([-+\d.eE:]+)\s*(?:\(([^)]*)\)|\w+)?\s*$")
 _BOX = re.compile(r"^\s*\*+\s*$")
 _KIND = re.compile(r"^\s*\*\s*(WARNING|ERROR|FATAL ERROR)\s*\*?\s*$")
 _RECORD = re.compile(r"^Data Record #(\d+)")
@@ -94,8 +94,16 @@ class _Reading:
         elif re.search(r"I T E R A T I O N\s+(S U M M A R Y|I N F O R M A T I O N)", text):
             self.ending = True
         elif self.ending and (found := _SUMMARY.match(text)):
-            seconds = re.match(rf"\s*{_NUMBER} sec", found[3] or "")
-            self.summary[found[1].strip()] = float(seconds[1] if seconds else found[2])
+            self._total(found[1].strip(), found[2], found[3] or "")
+
+    def _total(self, name: str, value: str, aside: str) -> None:
+        """A line of the summary; times as h:m:s, or as (seconds sec) where the log says so."""
+        seconds = re.match(rf"\s*{_NUMBER} sec", aside)
+        try:
+            parts = [float(p) for p in (seconds[1] if seconds else value).split(":")]
+        except ValueError:
+            return
+        self.summary[name] = sum(p * 60**k for k, p in enumerate(reversed(parts)))
 
     def _iteration(self, time: float) -> None:
         if not self.steps:

@@ -51,7 +51,8 @@ def check(ds: xr.Dataset) -> None:
     """Say so where a dataset has lost its mesh, as ds[["name"]] loses it."""
     lost = [n for n in _NEEDED if n not in ds]
     if lost:
-        raise InputError(f"the dataset has no {', '.join(lost)}: drop variables with drop_vars, which keeps the mesh")
+        how = "drop variables with drop_vars, which keeps the mesh"
+        raise InputError(f"the dataset has no {', '.join(lost)}: {how}")
 
 
 def of(ds: xr.Dataset) -> ResultMesh:

@@ -1,4 +1,4 @@
-"""Plotfiles made block by block in the tests, apart from the package's writer, and models of random content."""
+"""Plotfiles made block by block, apart from the package's writer, and plotfiles of random content."""
 
 from __future__ import annotations
 
@@ -79,7 +79,8 @@ def modern(b: Blocks, version: int = 0x35, compression: int = 0, packed: str = "
     first = 101 if version >= 0x33 else 0  # ids since 0x33, indices before
     rows = b"".join(b.ints(first + i) + b.floats(*x) for i, x in enumerate(X))
     nodes = b.block(
-        0x01041000, b.block(0x01041100, b.int(0x01041101, 12), b.int(0x01041102, 3)), b.block(0x01041200, rows)
+        0x01041000, b.block(0x01041100, b.int(0x01041101, 12), b.int(0x01041102, 3)),
+        b.block(0x01041200, rows),
     )
 
     def domain(number: int, name: bytes) -> bytes:

@@ -67,9 +67,9 @@ def test_damaged_files(tmp_path: Path, make_modern, random_plot, kind: str) -> N
     slowest = 0.0
     for _ in range(COUNT):
         path.write_bytes(mutate(rng, sources[int(rng.integers(len(sources)))]))
-        start = time.perf_counter()
+        start = time.process_time()
         seen[exercise(path)] += 1
-        slowest = max(slowest, time.perf_counter() - start)
+        slowest = max(slowest, time.process_time() - start)
     assert slowest < 5.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 2_000_000  # kB
     assert min(seen.values()) > COUNT // 20, seen

@@ -247,3 +247,17 @@ def test_one_variable_at_one_time_touches_nothing_else(tmp_path: Path, make_mode
     monkeypatch.setattr(PlotFile, "regions", lambda f, v, t: seen.append((v, t)) or regions(f, v, t))
     ds["displacement"].isel(time=1).load()
     assert set(seen) == {(0, 1)}
+
+
+def test_open_dataset_finds_the_backend(tmp_path: Path, make_modern) -> None:
+    """With the entry point installed (here: a stand-in), xr.open_dataset needs no engine."""
+    path = tmp_path / "a.xplt"
+    path.write_bytes(make_modern())
+    info = tmp_path / "site" / "standin-0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: standin\nVersion: 0\n")
+    (info / "entry_points.txt").write_text("[xarray.backends]\nfebkit = febkit.results.backend:PlotfileBackend\n")
+    code = (f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r}); import xarray as xr;"
+            f"ds = xr.open_dataset({str(path)!r}, chunks={{}}); print(ds.sizes['time'], 'numba' in sys.modules)")
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["3", "False"]

@@ -15,6 +15,7 @@ from .header import Header, parts
 from .records import DomainHead, MeshOutline, PlotDomain, PlotMesh, PlotSurface
 
 _OLD_COORDS = 0x01041001  # versions below 8
+_FACET_LIMIT = 32  # nodes of a facet; a header that says more than its rows hold, and more than this, is damage
 
 # tags of a list of facets or lines: (one, header, name, rows wide, list)
 _SURFACE = (tags.SURFACE, tags.SURFACE_HDR, tags.SURFACE_NAME, tags.SURFACE_MAX_FACET_NODES, tags.FACE_LIST)
@@ -203,6 +204,8 @@ def _surfaces(
         what = f"surface {name!r}"
         nodes = _facets(c, _rows(c, rows, what), version, what)
         _inside(c, np.where(nodes < 0, 0, nodes), n_nodes, what)
+        if width and width > max(nodes.shape[1], _FACET_LIMIT):
+            raise InputError(f"damaged {what}: facets of {width} nodes", c.where)
         out.append(PlotSurface(name, nodes, width if width and width > nodes.shape[1] else None))
     return out
 
