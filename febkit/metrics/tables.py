@@ -141,7 +141,9 @@ def spread_table(
 
 
 def rank_table(
-    results: Sequence[tuple[str, xr.Dataset]], title: str = "Spearman rank correlation with the control"
+    results: Sequence[tuple[str, xr.Dataset]],
+    title: str = "Spearman rank correlation with the control",
+    note: str = "first / second, in brackets the p-value of Fisher's z between the two",
 ) -> Table:
     """The study's table 3: (label, :func:`compare_orders` result) -> "first / second (p of Fisher's z)"."""
     names = [str(m) for m in results[0][1]["metric"].values]
@@ -158,5 +160,5 @@ def rank_table(
         title,
         ["", "moment", *(HEADINGS.get(m, (m,))[0] for m in names)],
         rows,
-        "first / second order, in brackets the p-value of Fisher's z between the two",
+        note,
     )

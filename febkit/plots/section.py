@@ -110,8 +110,6 @@ def sections(
     made = [_prepare(ds, model, field, time, normal, at, parts, arrows) for ds, model in results.values()]
     if limits is None:
         values = np.concatenate([v for _, v, _ in made])
-        if not len(values):
-            raise InputError(f"the plane {normal} = {at:g} cuts no element of these parts")
         limits = (float(np.nanquantile(values, 0.01)), float(np.nanquantile(values, 0.99)))
     for ax, label, (section, values, flux) in zip(axes[0], results, made):
         picture = _draw(ax, section, values, flux, normal, limits, window)
@@ -143,6 +141,8 @@ def _prepare(
         else np.unique(np.concatenate([part_rows(ds, p) for p in parts]))
     )
     section = cut(ds, k, normal, at, rows)
+    if not len(section.rows):
+        raise InputError(f"the plane {normal} = {at:g} cuts no element of these parts")
     near = rows[section.rows]
     names = [field, "fluid_flux"] if arrows else [field]
     f = element_fields(ds.isel(time=[k]), {"cut": near}, model, names)

@@ -108,18 +108,11 @@ def _dask(plan: Plan, store: Store, needed: dict[str, Step], scheduler: str) -> 
     with _client(Client, plan.study.resources, len(needed), scheduler) as client:
         _check_sight(client, store)
         futures: dict[str, Any] = {}
+        root = str(store.root)
         for key, step in needed.items():
             first = [futures[i.key] for i in step.inputs.values() if i.key in futures]
-            futures[key] = client.submit(
-                do,
-                str(store.root),
-                step.spec(),
-                *first,
-                key=f"{step.kind}-{key}",
-                pure=False,
-                retries=2,
-                priority=-len(first),
-            )
+            name = f"{step.kind}-{key}"
+            futures[key] = client.submit(do, root, step.spec(), *first, key=name, pure=False, retries=2)
         label = {futures[k].key: s for k, s in needed.items()}
         for future in as_completed(list(futures.values())):
             step = label[future.key]

@@ -72,15 +72,40 @@ def solve(job: Job) -> None:
 
 
 def series(job: Job) -> None:
-    """Taylor series of the tissue's field at every point."""
-    from febkit import coupling
+    """Taylor series of the tissue's field at every point, to the highest order methods may take."""
+    from febkit import coupling, results
 
-    raise NotImplementedError(coupling.__name__)
+    options = {k: v for k, v in job.params.items() if k in ("recovery", "own_part")}
+    with results.open(job.inputs["results"] / RESULTS) as tissue:
+        found = coupling.series(tissue, job.params["points"], **options)
+    found.to_netcdf(job.folder / SERIES)
 
 
 def drive(job: Job) -> None:
-    """A cell model with the tissue's field on its surface."""
-    raise NotImplementedError
+    """A cell model with the tissue's field on its surface; the checks' findings go into the record."""
+    from febkit import coupling, feb
+
+    model = feb.read(job.inputs["cell"] / MODEL)
+    nodes = coupling.surface_nodes(model.mesh)
+    given, driving, point = _handoff(job, model.mesh.X[nodes])
+    found = coupling.check(given, driving, point)
+    job.record["said"], job.record["problems"] = list(found.lines), list(found.problems)
+    driven = coupling.drive(model, given, nodes, form="curves")
+    lost = coupling.write(driven, job.folder / MODEL)
+    job.record["problems"] += [str(x) for x in lost or ()]
+
+
+def _handoff(job: Job, X: Any) -> tuple[Any, Any, int]:
+    """What the tissue does at the surface nodes ``X``, the series behind it (None: overlay), its point."""
+    from febkit import coupling, results
+
+    if "series" not in job.inputs:
+        with results.open(job.inputs["tissue_results"] / RESULTS) as tissue:
+            return coupling.overlay(coupling.from_dataset(tissue), X, job.params["at"]), None, 0
+    driving = coupling.read_driving(job.inputs["series"] / SERIES)
+    point = int(job.params["point"])
+    order, fluid = job.params["solid"], job.params["fluid"]
+    return coupling.handoff(driving, X, point=point, order=order, fluid_order=fluid), driving, point
 
 
 def measure(job: Job) -> None:

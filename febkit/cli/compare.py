@@ -1,0 +1,96 @@
+"""``febkit compare``: how well cell models agree with their control."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@click.command("compare", context_settings={"max_content_width": 110})
+@click.argument("control", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument(
+    "tests", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
+)
+@click.option(
+    "-l", "--label", "labels", multiple=True, help="Names of the tests, in order [default: file names]."
+)
+@click.option(
+    "--instantaneous", type=float, default=0.1, show_default=True, help="Time called instantaneous."
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write agreement (test, metric) as NetCDF.",
+)
+@click.option(
+    "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
+)
+def command(
+    control: Path,
+    tests: tuple[Path, ...],
+    labels: tuple[str, ...],
+    instantaneous: float,
+    output: Path | None,
+    style: str,
+) -> None:
+    """RMS differences, limits of agreement and ranks of TESTS against CONTROL.
+
+    Files are metrics (.nc of febkit metrics) or results (.xplt, .plt with the .feb beside them).
+
+    \b
+    febkit compare control.nc order1.nc order2.nc
+    """
+    from febkit import metrics
+    from febkit.metrics import tables
+
+    from .metrics import emit
+
+    names = list(labels) or [t.stem for t in tests]
+    if len(names) != len(tests):
+        raise click.UsageError(f"{len(names)} labels for {len(tests)} tests")
+    a = measured(control)
+    data = {name: measured(t) for name, t in zip(names, tests)}
+    agreed = [(name, metrics.compare(a, b)) for name, b in data.items()]
+    emit(tables.rms_table(agreed), style)
+    for name, r in agreed:
+        emit(tables.limits_table(r, f"{name}: limits of agreement (test - control)"), style)
+    spreads = [(n, metrics.spread(b, instantaneous)) for n, b in {"control": a, **data}.items()]
+    emit(tables.spread_table(spreads), style)
+    if len(data) >= 2:
+        first, *others = data.items()
+        pairs = [
+            (f"{first[0]} / {n}", metrics.compare_orders(a, first[1], b, instantaneous)) for n, b in others
+        ]
+        emit(tables.rank_table(pairs), style)
+    else:
+        ((name, b),) = data.items()
+        ranks = metrics.rank_correlation(a, b, instantaneous)
+        pair = ranks[["rho", "p"]].rename(rho="rho_first").assign(rho_second=ranks["rho"])
+        emit(tables.rank_table([(name, pair)], note="p-value of the correlation in brackets"), style)
+    if output is not None:
+        import xarray as xr
+
+        xr.concat([r for _, r in agreed], xr.DataArray(names, dims="test", name="test")).to_netcdf(output)
+        click.echo(f"wrote {output}", err=True)
+
+
+def measured(path: Path) -> xr.Dataset:
+    """Cell metrics from a metrics file, or measured now."""
+    import xarray as xr
+
+    from febkit import metrics
+
+    from .metrics import opened
+
+    if path.suffix == ".nc":
+        with xr.open_dataset(path) as ds:
+            if "cell" in ds.dims:
+                return ds.load()
+    data: xr.Dataset = metrics.cell_metrics(*opened(path))
+    return data

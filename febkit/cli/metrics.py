@@ -1,0 +1,156 @@
+"""``febkit metrics``: measure the cells of a result, or summarise a variable over parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.model import Model
+
+
+@click.command("metrics", context_settings={"max_content_width": 110})
+@click.argument("results", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "-m",
+    "--model",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="The model of the run, for stress and flux at integration points [default: .feb beside RESULTS].",
+)
+@click.option(
+    "-c", "--cells", multiple=True, metavar="NAME", help='Parts or sets that are cells; globs work: "cell*".'
+)
+@click.option(
+    "--sides",
+    type=click.Choice(["both", "cell"]),
+    default="both",
+    show_default=True,
+    help="Flux on a cell's surface from the elements of both sides, or of the cell alone.",
+)
+@click.option("--density", type=float, help="Fluid density in pg per cubic unit of length [default: water].")
+@click.option(
+    "--at", "times", type=float, multiple=True, metavar="T", help="Times to print [default: the last]."
+)
+@click.option(
+    "-v", "--variable", help='Summarise a plot variable instead: "stress:effective", "fluid_flux:magnitude".'
+)
+@click.option("-p", "--part", "parts", multiple=True, help="Parts of the summary [default: all].")
+@click.option(
+    "--fields", is_flag=True, help="Write element fields (strain, stress, flux) instead of cell metrics."
+)
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write .nc or .csv.")
+@click.option(
+    "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
+)
+def command(
+    results: Path,
+    model: Path | None,
+    cells: tuple[str, ...],
+    sides: str,
+    density: float | None,
+    times: tuple[float, ...],
+    variable: str | None,
+    parts: tuple[str, ...],
+    fields: bool,
+    output: Path | None,
+    style: str,
+) -> None:
+    """Measure each cell of RESULTS at every time: shape, volume, strain, stress, shear, mass exchange.
+
+    \b
+    febkit metrics run.xplt                          # cells: parts or sets called cell... or chondrocyte...
+    febkit metrics run.xplt -c "chondro*" -o cells.nc
+    febkit metrics run.xplt -v stress:effective -p pcm_1 --at 0.1 --at 100
+    """
+    from febkit import metrics
+
+    ds, m = opened(results, model)
+    if variable:
+        data = metrics.summarize(ds, variable, parts or None)
+        _printed(data, ["mean", "least", "greatest"], "part", times, style)
+    elif fields:
+        data = metrics.element_fields(ds, list(cells) or "*", m)
+        if output is None:
+            raise click.UsageError("--fields needs -o FILE.nc")
+    else:
+        data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides)
+        _printed(data, [str(k) for k in metrics.METRICS if k in data], "cell", times, style)
+        _notes(data)
+    if output is not None:
+        _write(data, output)
+        click.echo(f"wrote {output}", err=True)
+
+
+def opened(results: Path, model: Path | None = None) -> tuple[xr.Dataset, Model | None]:
+    """A result, and its model: the one given, or the .feb of the same name beside it."""
+    from febkit import open_results, read
+
+    beside = results.with_suffix(".feb")
+    path = model or (beside if beside.is_file() else None)
+    return open_results(results), read(path) if path else None
+
+
+def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, ...], style: str) -> None:
+    import numpy as np
+
+    from febkit.metrics.tables import Table, heading
+    from febkit.model import InputError
+
+    t = np.asarray(data["time"].values, dtype=float)
+    head = [heading(n, str(data[n].attrs.get("units", ""))) for n in names]
+    for want in times or (float(t[-1]),):
+        k = int(np.abs(t - want).argmin())
+        if abs(t[k] - want) > 1e-3 * max(abs(want), 1e-3):
+            raise InputError(f"no state at t = {want:g}; the nearest is {t[k]:g}")
+        rows = [
+            [str(c), *(float(data[n].isel(time=k).sel({dim: c})) * s for n, (_, s) in zip(names, head))]
+            for c in data[dim].values
+        ]
+        emit(Table(f"t = {t[k]:g}", [dim, *(h for h, _ in head)], rows), style)
+
+
+def emit(table: object, style: str) -> None:
+    """Print a table."""
+    from febkit.metrics.tables import Table
+
+    assert isinstance(table, Table)
+    if style == "rich":
+        from rich.console import Console
+
+        Console().print(table.rich())
+    else:
+        click.echo(table.render(style))
+
+
+def _notes(data: xr.Dataset) -> None:
+    for name in data.data_vars:
+        how = data[name].attrs.get("how")
+        if how:
+            click.echo(f"{name}: {how}", err=True)
+    if data.attrs.get("missing"):
+        click.echo(f"missing: {data.attrs['missing']}", err=True)
+
+
+def _write(data: xr.Dataset, path: Path) -> None:
+    if path.suffix == ".csv":
+        flat = data[[k for k in data.data_vars if data[k].ndim == 2]]
+        path.write_text(_csv(flat), encoding="utf-8")
+    else:
+        data.to_netcdf(path)
+
+
+def _csv(data: xr.Dataset) -> str:
+    from febkit.metrics.tables import Table
+
+    names = [str(k) for k in data.data_vars]
+    dims = data[names[0]].dims
+    stack = {n: data[n].transpose(*dims).values.ravel() for n in names}
+    a, b = (data[d].values for d in dims)
+    rows = [
+        [x, y, *(stack[n][i * len(b) + j] for n in names)] for i, x in enumerate(a) for j, y in enumerate(b)
+    ]
+    return Table("", [*map(str, dims), *names], rows).csv()

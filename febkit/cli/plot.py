@@ -1,0 +1,151 @@
+"""``febkit plot``: the study's figures from metrics and results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+_FILES = click.Path(exists=True, dir_okay=False, path_type=Path)
+_OUT = click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    required=True,
+    help="PNG, PDF or SVG to write.",
+)
+_LABELS = click.option("-l", "--label", "labels", multiple=True, help="Names of the files, in order.")
+_TITLE = click.option("--title", default="", help="Title of the figure.")
+
+
+@click.group("plot", context_settings={"max_content_width": 110})
+def command() -> None:
+    """Draw figures without a display. FILES are metrics (.nc) or results (.xplt)."""
+
+
+@command.command()
+@click.argument("files", nargs=-1, required=True, type=_FILES)
+@click.option("-m", "--metric", "metrics", multiple=True, help="Metrics to draw [default: all].")
+@click.option("--until", type=float, help="Last time shown.")
+@_LABELS
+@_TITLE
+@_OUT
+def histories(
+    files: tuple[Path, ...],
+    metrics: tuple[str, ...],
+    until: float | None,
+    labels: tuple[str, ...],
+    title: str,
+    output: Path,
+) -> None:
+    """Each metric over time, a line for each cell, a column for each file."""
+    from febkit import plots
+
+    _save(plots.histories(_measured(files, labels), metrics or None, until, title), output)
+
+
+@command.command()
+@click.argument("files", nargs=-1, required=True, type=_FILES)
+@click.option("--until", type=float, default=1.0, show_default=True, help="Last time shown.")
+@_LABELS
+@_TITLE
+@_OUT
+def exchange(
+    files: tuple[Path, ...], until: float, labels: tuple[str, ...], title: str, output: Path
+) -> None:
+    """Mass exchange rate over the first second."""
+    from febkit import plots
+
+    _save(plots.early_exchange(_measured(files, labels), until, title), output)
+
+
+@command.command("bland-altman")
+@click.argument("control", type=_FILES)
+@click.argument("test", type=_FILES)
+@_TITLE
+@_OUT
+def bland_altman(control: Path, test: Path, title: str, output: Path) -> None:
+    """Differences over means with limits of agreement, for each metric."""
+    from febkit import plots
+
+    from .compare import measured
+
+    _save(plots.bland_altman(measured(control), measured(test), title=title), output)
+
+
+@command.command()
+@click.argument("control", type=_FILES)
+@click.argument("tests", nargs=-1, required=True, type=_FILES)
+@click.option("--outside", is_flag=True, help="Count values outside the limits instead.")
+@_LABELS
+@_TITLE
+@_OUT
+def errors(
+    control: Path, tests: tuple[Path, ...], outside: bool, labels: tuple[str, ...], title: str, output: Path
+) -> None:
+    """Normalised RMS difference to CONTROL of each file and metric."""
+    from febkit import metrics, plots
+
+    from .compare import measured
+
+    a = measured(control)
+    agreed = {control.stem: {n: metrics.compare(a, b) for n, b in _measured(tests, labels).items()}}
+    _save((plots.outside_counts if outside else plots.errors)(agreed, title), output)
+
+
+@command.command()
+@click.argument("files", nargs=-1, required=True, type=_FILES)
+@click.option("-f", "--field", default="effective_strain", show_default=True, help="Element field.")
+@click.option("-t", "--time", type=float, help="Time [default: the last].")
+@click.option("--normal", type=click.Choice(["x", "y", "z"]), default="y", show_default=True)
+@click.option("--at", type=float, default=0.0, show_default=True, help="Where the plane cuts its normal.")
+@click.option("-p", "--part", "parts", multiple=True, help="Parts shown [default: all].")
+@click.option("--window", type=float, nargs=4, help="Left, right, bottom and top of the picture.")
+@click.option("--no-arrows", is_flag=True, help="Leave out the arrows of fluid flux.")
+@_LABELS
+@_TITLE
+@_OUT
+def section(
+    files: tuple[Path, ...],
+    field: str,
+    time: float | None,
+    normal: str,
+    at: float,
+    parts: tuple[str, ...],
+    window: tuple[float, float, float, float] | None,
+    no_arrows: bool,
+    labels: tuple[str, ...],
+    title: str,
+    output: Path,
+) -> None:
+    """A field on a cross-section of the deformed mesh, with arrows of fluid flux. FILES are results."""
+    from febkit import plots
+
+    from .metrics import opened
+
+    data = {name: opened(f) for name, f in zip(_names(files, labels), files)}
+    when = float(next(iter(data.values()))[0]["time"].values[-1]) if time is None else time
+    _save(
+        plots.sections(data, field, when, normal, at, parts or None, not no_arrows, title, window=window),
+        output,
+    )
+
+
+def _names(files: tuple[Path, ...], labels: tuple[str, ...]) -> list[str]:
+    if labels and len(labels) != len(files):
+        raise click.UsageError(f"{len(labels)} labels for {len(files)} files")
+    return list(labels) or [f.stem for f in files]
+
+
+def _measured(files: tuple[Path, ...], labels: tuple[str, ...]) -> dict[str, Any]:
+    from .compare import measured
+
+    return {name: measured(f) for name, f in zip(_names(files, labels), files)}
+
+
+def _save(figure: Any, output: Path) -> None:
+    from febkit import plots
+
+    plots.save(figure, output)
+    click.echo(f"wrote {output}")

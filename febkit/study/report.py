@@ -1,0 +1,210 @@
+"""What a study found: tables 2 and 3, limits, medians, figures 4 to 8, and one dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from febkit.metrics import tables
+from febkit.metrics.agreement import compare_orders, spread
+from febkit.model import InputError
+
+from . import gather
+from .plan import CONTROL, Plan
+from .store import Store
+from .work import MODEL, RESULTS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Metrics = dict[tuple[str, str, int], "xr.Dataset"]
+
+
+def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Path]:
+    """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "metrics.nc"
+    data = gather.results(plan)
+    if not data.data_vars:
+        raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
+    data.to_netcdf(path)
+    yield path
+    found: Metrics = dict(gather.finished(plan))
+    pictures = list(_figures(plan, found, folder)) if figures else []
+    yield from pictures
+    path = folder / "report.md"
+    path.write_text(_text(plan, found, pictures), encoding="utf-8")
+    yield path
+
+
+def _text(plan: Plan, found: Metrics, pictures: list[Path]) -> str:
+    study = plan.study
+    missing = [f"{c} {m} point {k + 1}" for c, m, k in plan.metrics if (c, m, k) not in found]
+    out = [f"# {study.name}", ""]
+    out += [
+        f"Cases {', '.join(study.cases)}; methods {', '.join(m.name for m in study.methods)}; "
+        f"{len(study.points)} point(s).",
+        "",
+    ]
+    if missing:
+        out += [f"Not done yet: {', '.join(missing[:20])}{' ...' if len(missing) > 20 else ''}.", ""]
+    out += [t.markdown() for t in all_tables(plan, found)]
+    out += [_times(plan).markdown()]
+    out += [f"![{p.stem}]({p.name})\n" for p in pictures]
+    return "\n".join(out)
+
+
+def all_tables(plan: Plan, found: Metrics | None = None) -> Iterator[tables.Table]:
+    """Tables of what is done: RMS (table 2), limits, ranks (table 3), medians and ranges."""
+    found = dict(gather.finished(plan)) if found is None else found
+    agreed = gather.agreements(plan)
+    if agreed:
+        rows = [(f"{c} {m}", ds) for (c, m, _), ds in sorted(agreed.items())]
+        yield tables.rms_table(rows, "RMS difference to the control (over the control's range)")
+        for label, ds in rows:
+            yield tables.limits_table(ds, f"{label}: limits of agreement (method - control)")
+        ranks = list(_ranks(plan, found))
+        if ranks:
+            yield tables.rank_table(ranks)
+    many = len(plan.study.points) > 1
+    spreads = [
+        (f"{c} {m}" + (f" point {k + 1}" if many else ""), spread(ds))
+        for (c, m, k), ds in found.items()
+        if k < 20
+    ]
+    if spreads:
+        yield tables.spread_table(spreads)
+
+
+def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
+    """The first method against each other one, by case."""
+    first, *others = [m.name for m in plan.study.methods]
+    for c, m, k in found:
+        if m == CONTROL:
+            for other in others:
+                if (c, first, k) in found and (c, other, k) in found:
+                    a, b = found[c, first, k], found[c, other, k]
+                    yield f"{c}: {first} / {other}", compare_orders(found[c, m, k], a, b)
+
+
+def _times(plan: Plan) -> tables.Table:
+    """Seconds and memory of the solves."""
+    store = Store(plan.study.folder)
+    rows = []
+    for key, step in plan.steps().items():
+        if step.kind == "solve" and store.has(key):
+            r = store.record(key)
+            rows.append(
+                [
+                    step.label,
+                    r.get("elements", ""),
+                    r["seconds"],
+                    r.get("steps", ""),
+                    r.get("iterations", ""),
+                    r.get("peak_memory_mb", ""),
+                ]
+            )
+    return tables.Table(
+        "Solves", ["step", "elements", "seconds", "steps", "iterations", "peak memory (MB)"], rows[:200]
+    )
+
+
+def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
+    from febkit import plots
+
+    for case in plan.study.cases:
+        for point in {k for c, m, k in found if c == case and (m == CONTROL or not plan.study.control)}:
+            shown = {_label(m): ds for (c, m, k), ds in found.items() if c == case and k == point}
+            shown = dict(sorted(shown.items(), key=lambda kv: kv[0] != CONTROL))
+            yield _saved(plots.histories(shown, title=f"case {case}"), folder / f"histories_{case}.png")
+            if any("mass_exchange_rate" in ds for ds in shown.values()):
+                yield _saved(
+                    plots.early_exchange(shown, title=f"case {case}"), folder / f"exchange_{case}.png"
+                )
+            for method in plan.study.methods:
+                if (case, method.name, point) in found and (case, CONTROL, point) in found:
+                    figure = plots.bland_altman(
+                        found[case, CONTROL, point],
+                        found[case, method.name, point],
+                        title=f"case {case}, {_label(method.name)}",
+                    )
+                    name = f"bland_altman_{case}_{method.name.replace('/', '-')}.png"
+                    yield _saved(figure, folder / name)
+            figure = _section(plan, case, point)
+            if figure is not None:
+                yield _saved(figure, folder / f"section_{case}.png")
+            break  # one point for each case: the control's, or the first
+    agreed: dict[str, dict[str, xr.Dataset]] = {}
+    for (c, m, _), ds in gather.agreements(plan).items():
+        agreed.setdefault(c, {})[m] = ds
+    if agreed:
+        yield _saved(plots.outside_counts(agreed), folder / "outside_limits.png")
+        yield _saved(plots.errors(agreed), folder / "errors.png")
+
+
+def _section(plan: Plan, case: str, point: int, time: float = 5.0) -> Any:
+    """Effective strain with flux arrows through the middle of a cell, control beside methods (fig 8)."""
+    from febkit import plots
+
+    shown = {}
+    parts: list[str] | None = None
+    at = 0.0
+    for (c, m, k), step in plan.metrics.items():
+        if c == case and k == point:
+            pair = _opened(plan, step)
+            if pair is not None:
+                shown[_label(m)] = pair
+    if not shown:
+        return None
+    times = next(iter(shown.values()))[0]["time"].values
+    if abs(times - time).min() > 1e-3 * time:
+        time = float(times[-1])
+    names = [set(_parts(ds)) for ds, _ in shown.values()]
+    parts = sorted(set.intersection(*names)) if len(names) > 1 else None
+    at = _middle(next(iter(shown.values()))[0])
+    shown = dict(sorted(shown.items(), key=lambda kv: kv[0] != CONTROL))
+    return plots.sections(
+        shown, "effective_strain", time, "y", at, parts, title=f"case {case}, t = {time:g} s"
+    )
+
+
+def _parts(ds: xr.Dataset) -> list[str]:
+    from febkit.metrics.selection import part_names
+
+    return part_names(ds)
+
+
+def _middle(ds: xr.Dataset) -> float:
+    """y of the cell nearest the middle, so that the section cuts a cell."""
+    import numpy as np
+
+    from febkit.metrics.selection import select_cells
+
+    pick = select_cells(ds)
+    X, conn = ds["X"].values, ds["connectivity"].values
+    y = [float(X[conn[pick.of(i)], 1].mean()) for i in range(len(pick.names))]
+    return y[int(np.abs(y).argmin())]
+
+
+def _opened(plan: Plan, measure: Any) -> Any:
+    """(result, model) behind a measure step, None where its files were dropped."""
+    from febkit import open_results, read
+
+    store = Store(plan.study.folder)
+    results, model = (measure.inputs.get(n) for n in ("results", "model"))
+    if results is None or not store.has(results.key):
+        return None
+    path = store.path(model.key) / MODEL if model is not None else None
+    return open_results(store.path(results.key) / RESULTS), read(path) if path and path.is_file() else None
+
+
+def _label(method: str) -> str:
+    return f"order {method}" if method[0].isdigit() else method
+
+
+def _saved(figure: Any, path: Path) -> Path:
+    from febkit import plots
+
+    plots.save(figure, path)
+    return path

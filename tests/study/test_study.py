@@ -1,0 +1,209 @@
+"""Plans, the store, and runs that fail, stop and carry on."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from febkit import study
+from febkit.model import InputError
+from febkit.study import work
+from febkit.study.config import Resources
+from febkit.study.run import Outcome, do, fitting_workers
+from febkit.study.store import Store
+
+TINY = """
+cases = ["A"]
+methods = ["1", "2/1"]
+control = false
+[model]
+times = [0.0, 0.1, 1.0]
+[tissue]
+n = 3
+[cell]
+n = 5
+cells = 1
+layers = [1, 1, 1]
+edge = 0.05
+[points]
+at = [[0, 0, 0], [0.1, 0, 0.05], [0, -0.1, 0.1]]
+"""
+
+
+def written(folder: Path, text: str = TINY) -> Path:
+    path = folder / "tiny.toml"
+    path.write_text(text)
+    return path
+
+
+def plan_of(folder: Path, *overrides: str) -> study.Plan:
+    return study.make_plan(study.read(written(folder), overrides))
+
+
+@pytest.fixture
+def pretended(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Steps that only write a file; the list says which kinds were done, in order."""
+    done: list[str] = []
+
+    def pretend(kind: str) -> object:
+        def step(job: work.Job) -> None:
+            done.append(kind)
+            (job.folder / "out").write_text(kind)
+        return step
+
+    monkeypatch.setattr(work, "KINDS", {k: pretend(k) for k in work.KINDS})
+    return done
+
+
+@pytest.mark.parametrize(("entry", "word"), [
+    ('cases = ["E"]', "case"), ('methods = ["4"]', "method"), ("nonsense = 1", "nonsense"),
+    ("[points]\nat = [[0, 0]]", "three numbers"), ("[points]\nat = [[0, 0, 0], [0, 0, 0]]", "twice"),
+    ('[points]\nfile = "none.csv"', "none.csv"), ('[cell]\nfile = "none.feb"', "none.feb"),
+    ('[run]\nkeep = "some"', "keep"), ("[run]\ncores = 3", "cores"), ("cases = [", "TOML"),
+])
+def test_bad_studies_are_refused_clearly(tmp_path, entry, word):
+    with pytest.raises(InputError, match=word) as e:
+        study.read(written(tmp_path, entry))
+    assert "tiny.toml" in str(e.value)
+
+
+def test_points_from_a_file(tmp_path):
+    (tmp_path / "p.csv").write_text("x,y,z\n0,0,0\n0.1,0.2,-0.3\n")
+    s = study.read(written(tmp_path, '[points]\nfile = "p.csv"'))
+    assert s.points == ((0, 0, 0), (0.1, 0.2, -0.3))
+
+
+def test_the_graph_shares_what_is_shared(tmp_path):
+    p = plan_of(tmp_path)
+    kinds = [s.kind for s in p.steps().values()]
+    # one tissue, one cell model, and for each of 2 methods and 3 points: drive, solve, measure
+    assert {k: kinds.count(k) for k in kinds} == {"build": 2, "solve": 7, "series": 1, "drive": 6, "measure": 6}
+    with_control = plan_of(tmp_path, "control=true")
+    assert len(with_control.agreement) == 2
+    assert [k for k in with_control.metrics if k[1] == "control"] == [("A", "control", 0)]
+
+
+def test_addresses_follow_content(tmp_path):
+    a, b = plan_of(tmp_path), plan_of(tmp_path, "cell.seed=5")
+    same = set(a.steps()) & set(b.steps())
+    assert {a.steps()[k].label for k in same} == {
+        "A tissue: build", "A tissue: solve", "A tissue: series at 3 points"}
+    assert set(a.steps()) == set(plan_of(tmp_path, "run.threads=2", 'name="other"').steps())
+    # a file counts by what is in it, not by where it lies
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / "c.feb").write_text("<a/>")
+    (tmp_path / "c.feb").write_text("<a/>")
+    keys = [set(plan_of(tmp_path, f'cell={{file="{f}"}}').steps()) for f in ("c.feb", "one/c.feb")]
+    assert keys[0] == keys[1]
+    (tmp_path / "c.feb").write_text("<b/>")
+    assert set(plan_of(tmp_path, 'cell={file="c.feb"}').steps()) != keys[0]
+
+
+def test_nothing_is_done_twice(tmp_path, pretended):
+    p = plan_of(tmp_path)
+    first = study.carry_out(p, "serial")
+    assert first.complete and len(first.done) == len(p.steps()) == len(pretended)
+    again = study.carry_out(plan_of(tmp_path), "serial")
+    assert not again.done and again.reused == len(p.steps())
+    more = study.carry_out(plan_of(tmp_path, 'methods=["1","2/1","3"]'), "serial")
+    assert len(more.done) == 9
+
+
+def test_what_was_dropped_is_made_again_only_when_asked_for(tmp_path, pretended):
+    p = plan_of(tmp_path, 'run.keep="metrics"')
+    study.carry_out(p, "serial")
+    rows = {r["kind"]: r for r in study.status(p)}
+    assert rows["drive"]["done, files dropped"] == 6 and rows["measure"]["done"] == 6
+    assert not study.carry_out(p, "serial").done
+    store = Store(p.study.folder)
+    store.drop(p.metrics["A", "1", 0].key)
+    pretended.clear()
+    study.carry_out(p, "serial")
+    assert pretended == ["drive", "solve", "measure"]
+
+
+def test_a_failure_is_told_and_tried_again(tmp_path, pretended, monkeypatch):
+    good = dict(work.KINDS)
+
+    def fails(job: work.Job) -> None:
+        raise work.SolveFailed("element 7 turned inside out at t = 0.1")
+
+    monkeypatch.setattr(work, "KINDS", {**good, "series": fails})
+    p = plan_of(tmp_path)
+    s = study.carry_out(p, "serial")
+    assert [o.label for o in s.failed] == ["A tissue: series at 3 points"] and len(s.skipped) == 18
+    assert "element 7" in study.failures(p)[0][1]
+    assert not list((p.study.folder / "making").iterdir())
+    monkeypatch.setattr(work, "KINDS", good)
+    s = study.carry_out(p, "serial")
+    assert s.complete and len(s.done) == 19 and not study.failures(p)
+
+
+def test_an_unexpected_error_leaves_no_half_result(tmp_path, pretended, monkeypatch):
+    def breaks(job: work.Job) -> None:
+        (job.folder / "half").write_text("half")
+        raise KeyboardInterrupt
+
+    p = plan_of(tmp_path)
+    step = next(iter(p.steps().values()))
+    monkeypatch.setattr(work, "KINDS", {**work.KINDS, step.kind: breaks})
+    with pytest.raises(KeyboardInterrupt):
+        do(str(p.study.folder), step.spec())
+    assert not Store(p.study.folder).has(step.key)
+
+
+def test_two_workers_at_one_step_keep_one_result(tmp_path):
+    store = Store(tmp_path)
+    with store.making("ab12", {"n": 1}) as (one, _), store.making("ab12", {"n": 2}) as (two, _):
+        (one / "x").write_text("1")
+        (two / "x").write_text("2")
+    assert store.has("ab12") and store.record("ab12")["n"] == 2  # the inner one finished first
+    assert len(list((tmp_path / "store" / "ab").iterdir())) == 1
+
+
+def test_workers_fit_the_machine(monkeypatch):
+    monkeypatch.setattr("febkit.study.run._free_memory", lambda: 10.0)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(16), raising=False)
+    assert fitting_workers(Resources(threads=2, memory=1.0)) == 8
+    assert fitting_workers(Resources(threads=1, memory=4.0)) == 2
+    assert fitting_workers(Resources(threads=1, memory=99.0)) == 1
+    assert fitting_workers(Resources(workers=3)) == 3
+
+
+def test_a_killed_worker_costs_no_result(tmp_path):
+    """Real solves over a local cluster, one worker killed half way: all there, once, equal to a serial run."""
+    psutil = pytest.importorskip("psutil")
+    pytest.importorskip("distributed")
+    killed: list[int] = []
+
+    def kill_one(done: int, total: int, outcome: Outcome) -> None:
+        workers = [c for c in psutil.Process().children(recursive=True) if "spawn_main" in " ".join(c.cmdline())]
+        if done >= 6 and not killed and workers:
+            workers[0].kill()
+            killed.append(workers[0].pid)
+
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    p, q = plan_of(tmp_path / "a", "run.workers=2", "run.memory=4"), plan_of(tmp_path / "b")
+    over = study.carry_out(p, "local", kill_one)
+    assert killed and over.complete
+    assert sorted(o.key for o in over.done) == sorted(p.steps())
+    assert study.carry_out(q, "serial").complete
+    a, b = study.results(p), study.results(q)
+    assert a.sizes == {"case": 1, "method": 2, "point": 3, "cell": 1, "time": 3, "axis": 3, "xyz": 3}
+    assert np.isfinite(a["effective_strain"]).all()
+    for name in a.data_vars:
+        np.testing.assert_array_equal(a[name], b[name], err_msg=str(name))
+
+
+def test_report_of_a_small_study(tmp_path):
+    pytest.importorskip("matplotlib")
+    p = plan_of(tmp_path, "points={at=[[0,0,0]]}", 'methods=["1"]')
+    assert study.carry_out(p, "serial").complete
+    files = [f.name for f in study.write_report(p, tmp_path / "report")]
+    assert {"metrics.nc", "report.md", "histories_A.png", "section_A.png"} <= set(files)
+    text = (tmp_path / "report" / "report.md").read_text()
+    assert "A order 1: solve" in text and "effective stress (kPa)" in text
