@@ -115,7 +115,6 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
              options: Options) -> tuple[Field | None, xr.Dataset | None]:
     """The tissue, where SOURCE is one, and the series (None for an overlay)."""
     from febkit.coupling import from_dataset, read_driving, series
-    from febkit.coupling.taylor import DEFAULT_RECOVERY
     from febkit.model import InputError
 
     if not source.is_file():
@@ -138,9 +137,7 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     if options.overlay:
         return field, None
     order = max(2 if options.order is None else options.order, options.fluid_order or 1)
-    # one order more than handed off, to estimate what is left out
-    return field, series(field, places, order=min(order + 1, 3), names=names,
-                         recovery=options.recovery or DEFAULT_RECOVERY)
+    return field, series(field, places, order=order, names=names, recovery=options.recovery, beyond=True)
 
 
 def _named(field: Field, source: Path) -> Field:

@@ -149,13 +149,18 @@ def _target(name: str, path: Path) -> str | tuple[str, tuple[int, ...]]:
                      "H3xxx (digits 1 2 3 may stand for x y z)", Where(str(path), 1))
 
 
+def _split(line: str) -> list[str]:
+    """Fields between commas, semicolons or tabs; blanks separate where there are none of these."""
+    mark = next((c for c in ",;\t" if c in line), None)
+    return [c.strip() for c in line.strip().split(mark)]
+
+
 def read_points(path: str | PathLike[str]) -> tuple[Floats, list[str]]:
     """Points of a CSV file: columns x, y, z (with or without a head) and, where there is one, name."""
     p = Path(path)
     if not p.is_file():
         raise InputError(f"{p}: there is no such file")
-    rows = [(n, [c.strip() for c in re.split(r"[,;\t]|\s+", s.strip())])
-            for n, s in enumerate(p.read_text(encoding="utf-8-sig", errors="replace").splitlines(), 1)
+    rows = [(n, _split(s)) for n, s in enumerate(p.read_text(encoding="utf-8-sig", errors="replace").splitlines(), 1)
             if s.strip() and not s.lstrip().startswith("#")]
     head = ["x", "y", "z"]
     if rows and {"x", "y", "z"} <= {c.lower() for c in rows[0][1]}:

@@ -14,7 +14,7 @@ from .derivatives import COUNT, TERMS, Sparse, by_element, element_weights, mono
 from .field import Field
 from .location import Location
 from .patch import Topology, fit, grow, only, padded, terms_of_degree
-from .shapes import barlow, parents
+from .shapes import barlow, parents, shape
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 def by_patches(field: Field, where: Location, order: int, *, own_part: bool = True) -> tuple[Sparse, Ints]:
     """Rows of derivatives up to ``order``, and the number of terms lost at each point.
 
-    The value is the element's own. A first derivative is interpolated from recovered nodal gradients, a
+    The value is the element's own, less the error of interpolation. A first derivative is interpolated from recovered nodal gradients, a
     second from the recovered gradients of these, and so on; mixed ones are the mean over their orders.
     With ``own_part`` only elements of the point's part are looked at, where it has enough of them.
     """
@@ -66,8 +66,31 @@ def _in_part(field: Field, top: Topology, where: Location, order: int, part: int
         found |= level
     k = COUNT[order]
     m = len(where.block)
+    found[()] = _corrected(field, where, found, order)
     stacked = vstack([found[t] for t in TERMS[:k]], format="csr")
     return stacked[(np.arange(m)[:, None] + m * np.arange(k)).ravel()], lost
+
+
+def _corrected(field: Field, where: Location, found: dict[tuple[int, ...], Sparse], order: int) -> Sparse:
+    """The value that goes with the recovered derivatives: f = sum_a N_a (f_a - second and higher terms at node a).
+
+    Interpolation alone is off by these terms, and a series of order 2 would start from a value of order 1.
+    """
+    value = found[()]
+    if order < 2:
+        return value
+    terms = TERMS[COUNT[1]:COUNT[order]]
+    weights = np.zeros((len(where.block), len(terms)))
+    for k, b in enumerate(field.blocks):
+        mine = np.nonzero(where.block == k)[0]
+        if len(mine):
+            xe = field.X[b.conn[where.element[mine]]]
+            n = shape(b.type, where.r[mine], 0)
+            d = xe - np.einsum("pn,pni->pi", n, xe)[:, None]
+            weights[mine] = np.einsum("pn,pnk->pk", n, monomials(d, terms))
+    for j, t in enumerate(terms):
+        value = value - found[t].multiply(weights[:, j, None]).tocsr()
+    return value
 
 
 def _mean(paths: list[Sparse]) -> Sparse:

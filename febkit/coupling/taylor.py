@@ -74,13 +74,17 @@ RECOVERIES = {
 
 
 def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER,
-           recovery: str = DEFAULT_RECOVERY, times: Any = None, names: Any = None,
-           own_part: bool = True) -> xr.Dataset:
+           recovery: str | None = None, times: Any = None, names: Any = None,
+           own_part: bool = True, beyond: bool = False) -> xr.Dataset:
     """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.
 
     Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G``
     (3, 3, 3), ``G3``; where the tissue has pressure ``p``, ``grad_p``, ``H``, ``H3``; and where each point
-    lies. ``recovery`` is a name of :data:`RECOVERIES`; ``times`` picks or interpolates times.
+    lies. ``recovery`` is a name of :data:`RECOVERIES`, by default that of :func:`default_recovery`; ``times``
+    picks or interpolates times; ``own_part`` keeps the patch to the part (material) of the point.
+
+    Ask for the order that is handed off: recovery depends on it. ``beyond`` adds the derivatives one order up,
+    from a recovery of their own, for the estimate of what is left out.
 
     Raises InputError where a point lies outside the tissue, naming it by its coordinates.
     """
@@ -88,14 +92,28 @@ def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER,
     if times is not None:
         field = field.at(np.asarray(times, dtype=float))
     points = np.atleast_2d(np.asarray(points, dtype=float))
-    method = _method(recovery, order)
+    method = _method(recovery or default_recovery(field, order), order)
     where = locate(field, points)
     require_inside(field, points, where)
     operator, lost = method.rows(field, where, points, order, own_part)
     values = apply(operator, field, COUNT[order])
+    top = order
+    if beyond and order < MAX_ORDER:
+        top = order + 1
+        more = apply(method.rows(field, where, points, top, own_part)[0], field, COUNT[top])
+        values = np.concatenate([values, more[:, :, COUNT[order]:]], axis=2)
     if not np.isfinite(values[..., :3]).all():
         raise InputError("the tissue's displacement is not a number around some of the points")
-    return _dataset(field, points, where, values, lost, order, method, names)
+    ds = _dataset(field, points, where, values, lost, top, method, names)
+    ds.attrs["order"] = order
+    return ds
+
+
+def default_recovery(field: Field, order: int) -> str:
+    """Superconvergent patches; at order 3 a polynomial where there are quadratic tetrahedra, which have no
+    points of superconvergence that get a cubic field right."""
+    quadratic = any(b.type in ("tet10", "tet15") for b in field.blocks)
+    return "polynomial" if quadratic and order == 3 else DEFAULT_RECOVERY
 
 
 def _method(recovery: str, order: int) -> Recovery:
