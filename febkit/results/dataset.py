@@ -261,7 +261,7 @@ def _sets(m: MeshOutline) -> dict[Hashable, Any]:
             out[key] = _facet_array(surfaces, dims)
     if m.facet_sets is not None and not m.facet_sets and m.surfaces:
         out["facets"].attrs["no_facet_sets"] = 1
-    if m.objects:
+    if m.objects:  # read by febkit.results.objects
         out["objects"] = xr.Variable(("object_byte",), np.frombuffer(m.objects, np.uint8))
     return out
 
