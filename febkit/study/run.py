@@ -153,7 +153,7 @@ def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any
             threads_per_worker=1,
             processes=True,
             memory_limit=f"{r.memory}GB",
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=50,
         ) as cluster,
         make(cluster) as client,

@@ -196,7 +196,8 @@ def test_a_killed_worker_costs_no_result(tmp_path):
     assert a.sizes == {"case": 1, "method": 2, "point": 3, "cell": 1, "time": 3, "axis": 3, "xyz": 3}
     assert np.isfinite(a["effective_strain"]).all()
     for name in a.data_vars:
-        np.testing.assert_array_equal(a[name], b[name], err_msg=str(name))
+        # other numbers of BLAS threads round otherwise
+        np.testing.assert_allclose(a[name], b[name], rtol=1e-8, atol=1e-14, err_msg=str(name))
 
 
 def test_report_of_a_small_study(tmp_path):
