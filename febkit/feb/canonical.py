@@ -9,7 +9,7 @@ import numpy as np
 from febkit.model import Component, MeshData, Model, Step
 
 from . import dofs
-from .edit import is_true
+from .edit import is_true, same_text
 from .v30 import DEFAULT_TYPES
 
 BODIES = ("rb", "body_a", "body_b", "rbA", "rbB")
@@ -48,7 +48,7 @@ def _thickness(model: Model) -> dict[str, MeshData]:
         if d.kind != "shell" or block is None or d.spec is None:
             continue
         h = d.spec.child("shell_thickness")
-        first = h.as_float() if h is not None and not h.type else 0.0
+        first = h.as_float() if h is not None and not h.type and h.text else 0.0
         values = np.full(block.conn.shape, first)
         given = first != 0.0
         for m in model.mesh_data:
@@ -136,7 +136,7 @@ def _load(c: Component) -> list[Component]:
         rest = tuple(x for x in _relative(c).children if x.tag not in ("value", "shell_bottom"))
         return [replace(c, type="nodal_load", children=(
             Component("dof", text=d), Component("scale", text=v, attrs=value.attrs), *rest))
-            for d, v in zip("xyz", value.text.replace(",", " ").split()) if float(v) != 0.0]
+            for d, v in zip("xyz", value.text.replace(",", " ").split()) if not same_text(v, "0")]
     if c.tag == "body_load" and c.type == "const":
         return [_constant(c)]
     return [_relative(c)]

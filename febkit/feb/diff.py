@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, InputError, Mesh, MeshData, Model
+from febkit.model import Component, InputError, LogEntry, Mesh, MeshData, Model
 from febkit.model.sets import element_ids, node_indices
 
 from .canonical import canonical
-
-RTOL = 1e-12
+from .edit import RTOL, same_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,31 +33,6 @@ class Difference:
 def diff(a: Model, b: Model, rtol: float = RTOL) -> list[Difference]:
     """Differences in meaning between two models; numbers agree within ``rtol``."""
     return _Diff(canonical(a), canonical(b), rtol).run()
-
-
-def _words(text: str) -> list[str]:
-    return text.replace(",", " ").split()
-
-
-def same_text(a: str, b: str, rtol: float = RTOL) -> bool:
-    """Equal as lists of numbers and words."""
-    if a == b:
-        return True
-    x, y = _words(a), _words(b)
-    return len(x) == len(y) and all(_same_word(p, q, rtol) for p, q in zip(x, y))
-
-
-_TRUTH = {"true": "1", "false": "0"}
-
-
-def _same_word(a: str, b: str, rtol: float) -> bool:
-    if a == b or _TRUTH.get(a, a) == _TRUTH.get(b, b):
-        return True
-    try:
-        x, y = float(a), float(b)
-    except ValueError:
-        return False
-    return x == y or abs(x - y) <= rtol * max(abs(x), abs(y))
 
 
 def _short(v: Any) -> str:
@@ -266,7 +240,23 @@ class _Diff:
             self.add(f"plot variable {v[0]}", v in one, v in two)
         if a.plot_type != b.plot_type:
             self.add("plot type", a.plot_type, b.plot_type)
-        first = [(e.kind, e.data, e.file, e.set, e.items) for e in a.log]
-        second = [(e.kind, e.data, e.file, e.set, e.items) for e in b.log]
-        if first != second:
+        first, second = [_log(self.a, e) for e in a.log], [_log(self.b, e) for e in b.log]
+        if len(first) != len(second):
             self.add("log entries", len(first), len(second))
+        for i, (p, q) in enumerate(zip(first, second), 1):
+            for what, x, y in zip(("kind", "data", "file", "items"), p, q):
+                if x != y:
+                    self.add(f"log entry {i} {what}", x, y)
+
+
+def _log(model: Model, e: LogEntry) -> tuple[str, str, str | None, Any]:
+    """What an entry writes, with its set as the ids in it."""
+    items: Any = e.items or e.set
+    try:
+        if e.set is not None and e.kind == "node_data":
+            items = tuple(model.mesh.node_ids[node_indices(model.mesh, e.set)].tolist())
+        elif e.set is not None and e.kind == "element_data":
+            items = tuple(element_ids(model.mesh, e.set).tolist())
+    except InputError:
+        items = e.set
+    return e.kind, e.data, e.file, items

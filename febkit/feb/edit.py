@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from .document import Tag
 
+RTOL = 1e-12
+_TRUTH = {"true": "1", "false": "0"}
 TRUE = ("1", "true", "yes", "on")
 
 
@@ -116,3 +118,25 @@ def walk(tag: Tag) -> list[Tag]:
     for c in tag.children:
         out += walk(c)
     return out
+
+
+def _words(text: str) -> list[str]:
+    return text.replace(",", " ").split()
+
+
+def same_text(a: str, b: str, rtol: float = RTOL) -> bool:
+    """Equal as lists of numbers and words."""
+    if a == b:
+        return True
+    x, y = _words(a), _words(b)
+    return len(x) == len(y) and all(_same_word(p, q, rtol) for p, q in zip(x, y))
+
+
+def _same_word(a: str, b: str, rtol: float) -> bool:
+    if a == b or _TRUTH.get(a, a) == _TRUTH.get(b, b):
+        return True
+    try:
+        x, y = float(a), float(b)
+    except ValueError:
+        return False
+    return x == y or abs(x - y) <= rtol * max(abs(x), abs(y))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -29,6 +30,7 @@ NODES_OF = {
     "quad4": 4, "quad8": 8, "quad9": 9, "tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10,
     "line2": 2, "line3": 3, "truss2": 2, "beam3": 3,
 }
+LARGEST = 2**53  # of ids: whole numbers that survive as floats
 FACETS = {"tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10, "quad4": 4, "quad8": 8, "quad9": 9}
 LINES = {"line2": 2, "line3": 3}
 
@@ -61,6 +63,8 @@ def ints(text: str, tag: Tag) -> Ints:
             ends = [int(w) for w in word.split(":")]
         except ValueError:
             raise InputError(f"<{tag.name}> must be a list of integers, not {word!r}", tag.where) from None
+        if any(abs(e) > LARGEST for e in ends):
+            raise InputError(f"<{tag.name}> holds a range that makes no sense: {word[:60]}", tag.where)
         a, b, step = ends[0], ends[1] if len(ends) > 1 else ends[0], ends[2] if len(ends) > 2 else 1
         if step <= 0 or (b - a) // step > 10_000_000 or len(ends) > 3:
             raise InputError(f"<{tag.name}> holds a range that makes no sense: {word}", tag.where)
@@ -69,18 +73,25 @@ def ints(text: str, tag: Tag) -> Ints:
 
 
 def floats(text: str, tag: Tag) -> list[float]:
+    """Finite numbers, with commas or else blanks between."""
     try:
-        return [float(w) for w in text.split(",")] if "," in text else [float(w) for w in text.split()]
+        out = [float(w) for w in text.split(",")] if "," in text else [float(w) for w in text.split()]
     except ValueError:
-        raise InputError(f"<{tag.name}> must be numbers, not {text.strip()[:60]!r}", tag.where) from None
+        out = [math.nan]
+    if not all(map(math.isfinite, out)):
+        raise InputError(f"<{tag.name}> must be numbers, not {text.strip()[:60]!r}", tag.where)
+    return out
 
 
 def label(tag: Tag, attr: str = "id") -> int:
     v = tag.need(attr)
     try:
-        return int(v)
+        n = int(v)
     except ValueError:
-        raise InputError(f'<{tag.name}> has {attr}="{v}", which is not a number', tag.where) from None
+        n = LARGEST + 1
+    if abs(n) > LARGEST:
+        raise InputError(f'<{tag.name}> has {attr}="{v[:40]}", which is no id', tag.where)
+    return n
 
 
 def rows(tag: Tag, names: Iterable[str], columns: int | None, attr: str = "id") -> tuple[Ints, Floats]:
@@ -139,6 +150,8 @@ def _named(tag: Tag) -> str:
 
 def whole(values: Floats, tag: Tag) -> Ints:
     """Numbers that must be integers."""
+    if (np.abs(values) > LARGEST).any():
+        raise InputError(f"<{tag.name}{_named(tag)}> must hold node ids", tag.where)
     out = values.astype(np.int64)
     if (out != values).any():
         raise InputError(f"<{tag.name}{_named(tag)}> must hold node ids", tag.where)

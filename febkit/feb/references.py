@@ -6,7 +6,7 @@ import numpy as np
 
 from .document import Tag
 from .edit import leaf, listed, walk
-from .mesh import floats, ints
+from .mesh import floats, ints, label
 
 _KINDS = {"@surface": ("Surface",), "@edge": ("Edge",), "@elem_set": ("Elements", "ElementSet")}
 
@@ -36,7 +36,7 @@ def _nodes_of(mesh: Tag, prefix: str, name: str) -> list[int]:
             continue
         if c.name == "ElementSet":
             words = listed(c) or [str(i) for i in ints(c.text, c).tolist()]
-            wanted = {int(i) for i in words}
+            wanted = set(ints(",".join(words), c).tolist())
             for e in mesh.all("Elements"):
                 seen |= dict.fromkeys(_row_nodes(e, wanted))
         else:
@@ -50,4 +50,4 @@ def _row_nodes(c: Tag, wanted: set[int] | None) -> list[int]:
         if wanted is not None:
             rows = rows[np.isin(c.table.labels, list(wanted))]
         return [int(v) for v in rows.reshape(-1).tolist()]
-    return [int(v) for r in c for v in floats(r.text, r) if wanted is None or int(r.need("id")) in wanted]
+    return [int(v) for r in c for v in floats(r.text, r) if wanted is None or label(r) in wanted]

@@ -26,7 +26,7 @@ def leaf(tag: str, text: object, /, **attrs: str) -> Tag:
 
 def number(v: float) -> str:
     """The fewest digits that read back the same, whole numbers without a point."""
-    return str(int(v)) if v == int(v) and abs(v) < 1e15 else repr(float(v))
+    return str(int(v)) if abs(v) < 1e15 and v == int(v) else repr(float(v))
 
 
 def table(tag: str, labels: Ints, values: NDArray, attr: str = "id") -> Table:

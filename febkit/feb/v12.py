@@ -10,7 +10,7 @@ from febkit.model import InputError
 
 from .document import Tag
 from .edit import drop_empty, leaf, listed, pop, section, stages
-from .mesh import FACETS, node_count
+from .mesh import FACETS, label, node_count
 
 MODULES = {"poro": "biphasic"}
 # loads on facets, and the parameter that the facets' scale multiplies
@@ -190,7 +190,7 @@ def geometry_down(g: Tag, nodes: dict[str, list[str]], facets: dict[str, list[Ta
                 flat.children.append(Tag(c.need("type"), {"id": e.need("id"), "mat": c.need("mat")}, e.text))
         else:
             kept.append(c)
-    flat.children.sort(key=lambda e: int(e.attrs["id"]))
+    flat.children.sort(key=label)
     at = max((i for i, c in enumerate(kept) if c.name == "Nodes"), default=-1) + 1
     g.children = [*kept[:at], flat, *kept[at:]]
 

@@ -12,7 +12,7 @@ from febkit.model import InputError
 from . import dofs
 from .document import Tag
 from .edit import drop_empty, fresh, leaf, listed, pop, rename, section, stages, text, walk
-from .mesh import FACETS, LINES
+from .mesh import FACETS, LINES, label
 
 SPRINGS = {"": "linear spring", "linear": "linear spring",
            "tension-only linear": "tension-only linear spring", "nonlinear": "nonlinear spring"}
@@ -370,6 +370,8 @@ def maps_down(root: Tag, geometry: Tag, notes: list[str]) -> None:
                 continue
             own = ids.get(d.get("elem_set") or "", [])
             for lid, text_, children in _rows(d):
+                if not 1 <= lid <= len(own):
+                    raise InputError(f'row lid="{lid}" lies outside "{d.get("elem_set")}"', d.where)
                 element = rows.setdefault(own[lid - 1], Tag("element", {"id": own[lid - 1]}))
                 element.children.append(Tag(var, text=text_, children=children))
     root.children = [c for c in root if c.name != "MeshData"]
@@ -381,7 +383,7 @@ def _rows(d: Tag) -> list[tuple[int, str, list[Tag]]]:
     if d.table is not None:
         labels, values = d.table.labels.tolist(), d.table.values.tolist()
         return [(i, ",".join(map(repr, v)), []) for i, v in zip(labels, values)]
-    return [(int(r.need("lid")), r.text.strip(), r.children) for r in d]
+    return [(label(r, "lid"), r.text.strip(), r.children) for r in d]
 
 
 def boundary_down(c: Tag, stage: Tag, geometry: Tag, notes: list[str]) -> list[Tag]:
@@ -501,7 +503,10 @@ def discrete_down(s: Tag, springs: dict[str, list[str]], notes: list[str]) -> No
     for c in s:
         if c.name != "discrete":
             continue
-        material = found[int(c.need("dmat")) - 1]
+        number = label(c, "dmat")
+        if not 1 <= number <= len(found):
+            raise InputError(f'<discrete dmat="{number}">: there is no such discrete material', c.where)
+        material = found[number - 1]
         kind = material.get("type") or ""
         if kind not in back:
             notes.append(f'discrete material of type "{kind}": version 2.0 does not have it')

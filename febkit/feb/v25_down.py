@@ -3,7 +3,21 @@
 from __future__ import annotations
 
 from .document import Tag
-from .edit import clone, is_true, leaf, listed, materials, pop, rename, section, stages, take, text, walk
+from .edit import (
+    clone,
+    is_true,
+    leaf,
+    listed,
+    materials,
+    pop,
+    rename,
+    same_text,
+    section,
+    stages,
+    take,
+    text,
+    walk,
+)
 from .mesh import floats
 from .references import materialise
 from .v25 import (
@@ -110,7 +124,7 @@ def thickness_down(root: Tag, e: Tag, thickness: str) -> None:
     data = section(root, "MeshData", ("Geometry",))
     mapped = any(d.get("var") == "shell thickness" and d.get("elem_set") == e.get("name")
                  and len(d.children if d.table is None else d.table.labels) == len(listed(e)) for d in data)
-    if mapped or float(thickness or 0) == 0.0:
+    if mapped or same_text(thickness or "0", "0"):
         return
     n = max((len(floats(c.text, c)) for c in e), default=0) if e.table is None else e.table.values.shape[1]
     count = len(e.children) if e.table is None else len(e.table.labels)
@@ -207,7 +221,7 @@ def _force_down(c: Tag, notes: list[str]) -> list[Tag]:
         return []
     out = []
     for dof, v in zip("xyz", value.text.replace(",", " ").split()):
-        if float(v) != 0.0:
+        if not same_text(v, "0"):
             scale = leaf("scale", v, **({"lc": value.need("lc")} if value.get("lc") else {}))
             rest = [clone(x) for x in c if x.name not in ("value", "shell_bottom")]
             attrs = {"bc": dof} | {k: x for k, x in c.attrs.items() if k != "type"}

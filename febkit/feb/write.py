@@ -32,7 +32,8 @@ def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]
         if comments:
             notes.append(f"{comments} comments: they stay behind in the file that was read")
     root = tree(model)
-    return document_bytes(root), notes + convert.down(root, version)
+    notes += convert.down(root, version)
+    return document_bytes(root), notes
 
 
 def write(model: Model, path: str | PathLike[str], version: str | None = None) -> list[str]:
