@@ -9,7 +9,7 @@ import numpy as np
 
 from ..points import Points
 from ..values import as_value
-from .base import Floats, Number, Solid
+from .base import Floats, Number, Property, Solid
 from .registry import register
 from .voigt import deviator, matrix, spectral, strain
 
@@ -135,7 +135,7 @@ class MaxNormalStress(Criterion):
     """The largest principal stress."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        return np.linalg.eigvalsh(_stress(base, pts))[:, 2]
+        return np.asarray(np.linalg.eigvalsh(_stress(base, pts))[:, 2], dtype=float)
 
     def gradient(self, base: Solid, pts: Points) -> Floats:
         w, V = np.linalg.eigh(_stress(base, pts))
@@ -151,7 +151,7 @@ class MaxNormalStrain(Criterion):
     """The largest principal Green-Lagrange strain."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        return np.linalg.eigvalsh(strain(pts.F))[:, 2]
+        return np.asarray(np.linalg.eigvalsh(strain(pts.F))[:, 2], dtype=float)
 
 
 @dataclass(eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..points import Points
 from ..values import as_value
-from .base import Floats, Number
+from .base import Floats, Number, Property
 from .registry import register
 from .voigt import matrix
 

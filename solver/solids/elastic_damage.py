@@ -45,7 +45,7 @@ class _Damage:
 
     def broken(self, pts: Points) -> Floats | float:
         if pts.new is not None:
-            return pts.new[:, self.offset + 1]  # type: ignore[attr-defined, no-any-return]
+            return pts.new[:, self.offset + 1]  # type: ignore[attr-defined, index]
         return self._damage(self.inner(pts))  # type: ignore[attr-defined, no-any-return]
 
     def _weaken(
@@ -84,7 +84,7 @@ class UncoupledElasticDamage(_Damage, Uncoupled):
 
     def dev_energy(self, pts: Points) -> Floats:
         within = self.inner(pts)
-        return (1.0 - self._damage(within)) * distortional_energy(self.elastic, within)  # type: ignore[arg-type]
+        return (1.0 - self._damage(within)) * distortional_energy(self.elastic, within)  # type: ignore[arg-type, operator]
 
 
 register(ElasticDamage, "elastic damage")

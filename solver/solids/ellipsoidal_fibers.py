@@ -167,7 +167,7 @@ class EllipsoidalMooneyRivlin(EllipsoidalFibersUncoupled):
 class EllipsoidalVerondaWestmann(EllipsoidalMooneyRivlin):
     """Fibers in a Veronda-Westmann matrix."""
 
-    matrix_type = VerondaWestmann
+    matrix_type = VerondaWestmann  # type: ignore[assignment]
 
 
 register(EllipsoidalFibers, "ellipsoidal fiber distribution")

@@ -32,7 +32,7 @@ class _Chain(FiberLaw):
 
     def fiber_energy(self, pts: Points, In: Floats) -> Floats:
         N, ksi, _ = self._three(pts)
-        c = np.array(COEFFICIENTS[: int(self.n_term)])  # type: ignore[attr-defined]
+        c: Floats = np.array(list(COEFFICIENTS[: int(self.n_term)]))  # type: ignore[attr-defined]
         integral = np.append(0.0, c / np.arange(1, len(c) + 1))
         x = np.maximum(In, 1.0)
         poly = np.polynomial.polynomial.polyval

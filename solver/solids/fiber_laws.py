@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..points import Points
 from .base import Floats, Number
@@ -18,7 +19,7 @@ _NONE = np.empty((0, 0))
 class _Law(FiberLaw):
     """Subclasses give W(In), dW/dIn and d2W/dIn2, arrays (n, m), and where the fiber bears load."""
 
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         """(bears load, W, W', W'')."""
         raise NotImplementedError
 
@@ -39,7 +40,7 @@ class _Law(FiberLaw):
 
 @dataclass(eq=False)
 class _NeoHookean(_Law):
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         (mu,) = self.columns(pts)
         x = In - 1.0
         return x > 0, 0.25 * mu * x * x, 0.5 * mu * x, 0.5 * mu + 0.0 * x
@@ -71,7 +72,7 @@ class FiberPower(_Law, Fiber):
     parameters = ("ksi", "beta")
     options = ("tension_only",)
 
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         ksi, beta = self.columns(pts)
         on = (In >= 1.0) | (not self.tension_only)
         x = np.where(on, In - 1.0, 0.0)
@@ -91,7 +92,7 @@ class FiberExpPowLinear(_Law, Fiber):
     lam0: Number = 1.0
     parameters = ("E", "alpha", "beta", "lam0")
 
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         E, alpha, beta, lam0 = self.columns(pts)
         I0 = lam0**2
         y = I0 - 1.0
@@ -118,7 +119,7 @@ class FiberNaturalNeoHookean(_Law, Fiber):
     lam0: Number = 1.0
     parameters = ("ksi", "lam0")
 
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         ksi, lam0 = self.columns(pts)
         x = 0.5 * np.log(In) - np.log(lam0)
         return x > np.finfo(float).eps, 0.5 * ksi * x**2, 0.5 * ksi * x / In, ksi * (0.25 - 0.5 * x) / In**2
@@ -133,7 +134,7 @@ class FiberKiousisUncoupled(_Law, UncoupledFiber):
     n: Number = 2.0
     parameters = ("d1", "d2", "n")
 
-    def law(self, pts: Points, In: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         d1, d2, n = self.columns(pts)
         x = np.maximum(In - d2, 0.0)
         return In >= d2, d1 / n * x**n, d1 * x ** (n - 1), d1 * (n - 1) * x ** (n - 2)

@@ -24,4 +24,4 @@ def even_series(x2: Floats, terms: int) -> tuple[Floats, Floats]:
     c = np.array(COEFFICIENTS[: min(int(terms), len(COEFFICIENTS))])
     value = np.polynomial.polynomial.polyval(x2, c)
     slope = np.polynomial.polynomial.polyval(x2, c[1:] * np.arange(1, len(c)))
-    return value, slope
+    return np.asarray(value), np.asarray(slope)  # type: ignore[return-value]

@@ -35,6 +35,7 @@ def surface_normal(base: Solid, criterion: object, pts: Points) -> Floats:
     s, c = evaluate(base, pts)
     d = criterion.gradient(base, pts)  # type: ignore[attr-defined]
     ds = d @ matrix(s)
+    assert c is not None
     cd = np.einsum("nij,nj->ni", c, vector(d) * _WEIGHT)
     M = 2.0 * ds - _trace(ds)[:, None, None] * _I + matrix(cd)
     Ui = spectral(_T(pts.F) @ pts.F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type]
@@ -61,7 +62,7 @@ class Trial:
     @classmethod
     def start(cls, base: Solid, criterion: object, pts: Points, Us: Floats, iso: bool) -> Trial:
         F, Fe = pts.F, pts.F @ Us
-        R = F @ spectral(_T(F) @ F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type]
+        R = F @ spectral(_T(F) @ F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type, operator]
 
         def measure(F: Floats) -> Floats:
             return criterion.of(base, deformed(pts, F))  # type: ignore[attr-defined, no-any-return]

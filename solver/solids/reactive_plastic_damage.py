@@ -149,7 +149,7 @@ class ReactivePlasticDamage(Solid):
         state[:, _DI] = np.where(yielding, state[:, _DI], di)
         E = state[:, _E]
         if self.plastic_damage_criterion is not None and yielding.any():
-            Fp = np.linalg.inv(state[:, :9].reshape(-1, 3, 3))
+            Fp: Floats = np.asarray(np.linalg.inv(state[:, :9].reshape(-1, 3, 3)), dtype=float)
             E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, deformed(pts, Fp)))
         dy = np.where(yielding, self._cdf(self.plastic_damage, pts, E), 0.0)
         state[:, _DY] = np.where(yielding, dy, state[:, _DY])
@@ -176,7 +176,7 @@ class ReactivePlasticDamage(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact else secant_tangent(lambda p: self._sum(p, False)[0], within)
+            c += ci if exact and ci is not None else secant_tangent(lambda p: self._sum(p, False)[0], within)
 
     def broken(self, pts: Points) -> Floats | float:
         return 0.0 if pts.new is None else pts.new[:, self.offset + 1]

@@ -178,7 +178,7 @@ class ReactivePlasticity(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact else secant_tangent(self._cauchy, within)
+            c += ci if exact and ci is not None else secant_tangent(self._cauchy, within)
 
     def broken(self, pts: Points) -> Floats | float:
         return 0.0

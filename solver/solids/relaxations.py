@@ -204,7 +204,7 @@ class Prony(Relaxation):
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         g = [self.p(f"g{i}", pts) for i in range(1, 7)]
-        return sum(gi * np.exp(-t / self.p(f"t{i}", pts)) for i, gi in enumerate(g, 1)) / sum(g)
+        return np.asarray(sum(gi * np.exp(-t / self.p(f"t{i}", pts)) for i, gi in enumerate(g, 1)) / sum(g))
 
 
 def malkin(t: Floats, tau1: Floats, tau2: Floats, beta: Floats) -> Floats:

@@ -51,7 +51,7 @@ class ScaledUncoupled(_Scaled, Uncoupled):
         self._add(pts, s, c, False)
 
     def dev_energy(self, pts: Points) -> Floats:
-        return self._factor(pts) * distortional_energy(self.solid, self.inner(pts))  # type: ignore[arg-type]
+        return self._factor(pts) * distortional_energy(self.solid, self.inner(pts))  # type: ignore[arg-type, operator]
 
 
 register(Scaled, "scaled elastic")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 from functools import lru_cache
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
-from .base import Floats
+from .base import Floats, Property
 from .registry import register
 
 _SIZES = (20, 34, 60, 74, 196, 210, 396, 410, 596, 610, 796, 810, 996, 1010, 1196, 1210, 1396, 1410, 1596, 1610, 1796)
@@ -93,6 +93,8 @@ class _Taut(Scheme):
     nph: int = 7
     nth: int = 31
     options = ("nph", "nth")
+    _eps: ClassVar[float]
+    _floor: ClassVar[float]
 
     def rule(self) -> tuple[Floats, Floats]:
         raise NotImplementedError

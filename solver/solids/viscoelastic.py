@@ -49,7 +49,7 @@ class _Series:
         ce = None if c is None else np.zeros((pts.n, 6, 6))
         law(self.inner(pts), se, ce)  # type: ignore[attr-defined]
         if pts.dt == 0:
-            if c is not None:
+            if c is not None and ce is not None:
                 c += ce
             return
         g, tau = self.par(pts)[:, :7].T, self.par(pts)[:, 7:].T  # type: ignore[attr-defined]
