@@ -249,9 +249,9 @@ class Group:
         if dk is not None:
             biphasic.permeability_coupling(c.lo, c.hi, *geometry, self.gp, dk, state.dt, K)
         if mix.supply is not None:
-            q, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
-            mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), q, dE, dp)
-            biphasic.supply_coupling(c.lo, c.hi, self.N, *geometry, q, dE, dp, state.dt, K)
+            rate, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
+            mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), rate, dE, dp)
+            biphasic.supply_coupling(c.lo, c.hi, self.N, *geometry, rate, dE, dp, state.dt, K)
 
     def _three_field_tangent(self, c: Chunk, s: Floats, C: Floats, K: Floats, geometry: tuple) -> None:
         law, e = self.block.solid, slice(c.lo, c.hi)

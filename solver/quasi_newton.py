@@ -154,4 +154,6 @@ class Broyden(_Buffered):
         return True
 
 
-METHODS = {"BFGS": BFGS, "Broyden": Broyden, "full Newton": FullNewton}
+METHODS: dict[str, Callable[[Back, NewtonOptions], Update]] = {
+    "BFGS": BFGS, "Broyden": Broyden, "full Newton": FullNewton,
+}  # fmt: skip

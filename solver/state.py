@@ -54,7 +54,7 @@ class State:
         return self.X + self.d[:, :3]
 
     def copy(self) -> State:
-        out = State(**{k: (v.copy() if isinstance(v, np.ndarray) else v) for k, v in vars(self).items()})
+        out = State(**{k: (v.copy() if isinstance(v, np.ndarray) else v) for k, v in vars(self).items()})  # type: ignore[arg-type]
         out.X = self.X
         out.extra = {k: v.copy() for k, v in self.extra.items()}
         return out

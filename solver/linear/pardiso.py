@@ -39,7 +39,7 @@ def library() -> ctypes.CDLL | None:
     for p in _candidates():
         try:
             lib = ctypes.CDLL(str(p))
-            lib.pardiso  # noqa: B018  (raises where the symbol is missing)
+            lib.pardiso
         except (OSError, AttributeError):
             continue
         return lib
@@ -142,5 +142,5 @@ class Pardiso:
     def __del__(self) -> None:
         try:
             self.close()
-        except Exception:  # noqa: BLE001  (interpreter shutdown)
+        except Exception:
             pass

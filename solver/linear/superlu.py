@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .base import Floats, LinearError, Matrix
@@ -13,7 +15,7 @@ class SuperLU:
     def __init__(self) -> None:
         self.name = "SuperLU (scipy)"
         self.stats: dict[str, float] = {}
-        self._lu = None
+        self._lu: Any = None
 
     def factor(self, A: Matrix) -> None:
         from scipy.sparse import csr_matrix, triu
