@@ -106,7 +106,7 @@ def _integer(raw: bytes) -> int:
 
 def read_section(raw: bytes) -> list[PlotObject]:
     """The objects of a mesh section."""
-    out = []
+    out: list[PlotObject] = []
     for kind, body in _blocks(raw):
         if kind not in (POINT, LINE):
             continue
