@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..kernels.tensors import add_identity
 from ..jit import kernel
+from ..kernels.tensors import add_identity
 from ..points import Points
 from .base import Floats, Number, Solid, wanted
 from .registry import register

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..points import Points
 from .base import Floats, Solid, deformed, evaluate
+from .batches import states
 from .voigt import matrix, norm, right_stretch, spectral
 
 _I = np.eye(3)
@@ -61,6 +62,7 @@ class Trial:
 
     @classmethod
     def start(cls, base: Solid, criterion: object, pts: Points, Us: Floats, iso: bool) -> Trial:
+        """``pts`` under the whole deformation, one for each of m trials; ``Us`` (m, 3, 3)."""
         F, Fe = pts.F, pts.F @ Us
         R = F @ spectral(_T(F) @ F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type, operator]
 
@@ -89,3 +91,42 @@ class Trial:
         if self.isochoric:
             dU = dU + self.Ue @ ImN * (_trace(np.linalg.inv(ImN) @ self.N) * beta / 3.0)[:, None, None]
         return -phi / (self.size * _trace(self.N @ _T(dU)))
+
+
+def beyond_yield(
+    base: Solid, criterion: object, pts: Points, Us: Floats, Ky: Floats, rtol: float
+) -> tuple[Floats, Floats, Points]:
+    """Yield measures (n, f) of families with inverse plastic parts ``Us`` (n, f, 3, 3), where they are beyond yield,
+    and the n f points they were taken at."""
+    at = states(pts, pts.F[:, None] @ Us)
+    K = criterion.of(base, at).reshape(Ky.shape)  # type: ignore[attr-defined]
+    return K, K - Ky > rtol * Ky, at
+
+
+def families_at(pts: Points, rows: Floats, f: int) -> Points:
+    """The points of selected rows of n f families, under their own whole deformation."""
+    n = np.asarray(rows) // f
+    Q = pts.Q if pts.Q is None or len(pts.Q) == 1 else pts.Q[n]
+    return replace(
+        pts, F=pts.F[n], J=pts.J[n], X=pts.X[n], e=pts.e[n], Q=Q, old=None, new=None, extra={}
+    )
+
+
+def mixed_stress(
+    base: Solid, pts: Points, Us: Floats, w: Floats, intact: Floats, tangent: bool
+) -> tuple[Floats, Floats | None]:
+    """intact sigma_0(F) + sum_i w_i sigma_0(F Us_i), and its tangent at fixed plastic parts."""
+    n = pts.n
+    some = np.flatnonzero((w != 0).any(0))
+    k = np.concatenate((intact[:, None], w[:, some]), axis=1)
+    F = np.concatenate((pts.F[:, None], pts.F[:, None] @ Us[:, some]), axis=1)
+    s, c = evaluate(base, states(pts, F), tangent)
+    s = np.einsum("nf,nfi->ni", k, s.reshape(n, -1, 6))
+    return s, None if c is None else np.einsum("nf,nfij->nij", k, c.reshape(n, -1, 6, 6))
+
+
+def mixed_energy(base: Solid, pts: Points, Us: Floats, w: Floats, intact: Floats, isochoric: bool) -> Floats:
+    """intact W_0(F) + sum_i w_i W_0(F Us_i) / det Us_i."""
+    J = np.ones(w.shape) if isochoric else np.linalg.det(Us)
+    W = base.energy(states(pts, pts.F[:, None] @ Us)).reshape(w.shape)
+    return intact * base.energy(pts) + (w / J * W).sum(1)

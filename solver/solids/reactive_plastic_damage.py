@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Number, Property, Solid, deformed, evaluate
-from .fiber import part
-from .plastic_flow import Trial
+from .base import Floats, Number, Property, Solid
+from .batches import states
+from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
 from .secant import secant_tangent
 
@@ -97,78 +97,71 @@ class ReactivePlasticDamage(Solid):
 
     def _flow(self, pts: Points) -> tuple[Floats, Floats, Floats]:
         """Inverse plastic parts (n, nf, 3, 3), yielded fractions (n, nf) and the intact fraction (n,)."""
-        at, h = self.offset, self.history
-        old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
-        state = old[:, _HEAD:].reshape(pts.n, -1, _EACH).copy()
-        rtol = float(self.par(pts)[0, 0])
-        Ky, share = self.flow_curve.families(pts)
-        share = np.broadcast_to(share, (pts.n, share.shape[1]))
+        at, h, n = self.offset, self.history, pts.n
+        old = self.initial(n) if pts.old is None else pts.old[:, at : at + h]
+        state = old[:, _HEAD:].reshape(n, -1, _EACH).copy()
+        f = state.shape[1]
+        Ky, share = (np.broadcast_to(x, (n, x.shape[1])) for x in self.flow_curve.families(pts))
         E = old[:, 0]
         if self.elastic_damage_criterion is not None:
             E = np.maximum(self.elastic_damage_criterion.of(self.elastic, pts), E)
         di = self._cdf(self.elastic_damage, pts, E)
-        D = di * share[:, -1]
-        for i in range(state.shape[1]):
-            self._family(pts, state[:, i], np.broadcast_to(Ky[:, i], (pts.n,)), share[:, i], rtol)
-            D = D + self._fail(pts, state[:, i], share[:, i], di)
+        self._yield(pts, state, Ky, share[:, :f])
+        D = di * share[:, f] + self._fail(pts, state, share[:, :f], di[:, None]).sum(1)
+        w = state[:, :, _W]
         if pts.new is not None:
             out = state.copy()
-            out[:, :, _B] = np.where(out[:, :, _W] > 0, 1.0, out[:, :, _B])
+            out[:, :, _B] = np.where(w > 0, 1.0, out[:, :, _B])
             pts.new[:, at], pts.new[:, at + 1] = np.maximum(E, old[:, 0]), D
-            pts.new[:, at + _HEAD : at + h] = out.reshape(pts.n, -1)
-        w = state[:, :, _W]
-        return state[:, :, :9].reshape(pts.n, -1, 3, 3), w, 1.0 - w.sum(1) - D
+            pts.new[:, at + _HEAD : at + h] = out.reshape(n, -1)
+        return state[:, :, :9].reshape(n, f, 3, 3), w, 1.0 - w.sum(1) - D
 
     @staticmethod
     def _cdf(law: Any, pts: Points, X: Floats) -> Floats:
-        return np.zeros(pts.n) if law is None else np.broadcast_to(law.cdf(pts, X), (pts.n,))
+        return np.zeros(X.shape) if law is None else np.broadcast_to(law.cdf(pts, X), X.shape)
 
-    def _family(self, pts: Points, state: Floats, Ky: Floats, share: Floats, rtol: float) -> None:
+    def _yield(self, pts: Points, state: Floats, Ky: Floats, share: Floats) -> None:
+        """Bring the families (n, nf, 16) from the old state to the present."""
         base: Any = self.elastic
-        Ku = state[:, _K].copy()
-        Us = state[:, :9].reshape(-1, 3, 3)
-        Kv = self.yield_criterion.of(base, deformed(pts, pts.F @ Us))
-        beyond = Kv - Ky > rtol * Ky
+        n, f = Ky.shape
+        rtol = float(self.par(pts)[0, 0])
+        Us, Ku = state[:, :, :9].reshape(n, f, 3, 3), state[:, :, _K].copy()
+        Kv, beyond, _ = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
         fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
-        starts = fresh & (state[:, _T] == 0)
-        state[:, _W] = np.where(starts, (1.0 - state[:, _DI]) * share, state[:, _W])
-        never = beyond & ~fresh & (state[:, _B] == 0)
-        state[:, _W] = np.where(never, 0.0, state[:, _W])
-        state[:, _T] = np.where(starts, 1.0, np.where(never, 0.0, state[:, _T]))
-        at: Any = np.flatnonzero(beyond)
-        if len(at):
-            here = part(pts, at)
-            trial = Trial.start(base, self.yield_criterion, here, Us[at], bool(self.isochoric))
-            F, Kv[at] = return_to_surface(trial, Ky[at], rtol)
-            state[at, :9] = (np.linalg.inv(here.F) @ F).reshape(-1, 9)
-        state[:, _K] = Kv
+        starts = fresh & (state[:, :, _T] == 0)
+        never = beyond & ~fresh & (state[:, :, _B] == 0)
+        w = np.where(starts, (1.0 - state[:, :, _DI]) * share, state[:, :, _W])
+        state[:, :, _W] = np.where(never, 0.0, w)
+        state[:, :, _T] = np.where(starts, 1.0, np.where(never, 0.0, state[:, :, _T]))
+        rows: Any = np.flatnonzero(beyond)
+        if len(rows):
+            here = families_at(pts, rows, f)
+            flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
+            trial = Trial.start(base, self.yield_criterion, here, flat[rows], bool(self.isochoric))
+            F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
+            flat[rows] = np.linalg.inv(here.F) @ F
+            state[:, :, :9], Kv = flat.reshape(n, f, 9), K.reshape(n, f)
+        state[:, :, _K] = Kv
 
     def _fail(self, pts: Points, state: Floats, share: Floats, di: Floats) -> Floats:
-        """Update what has failed of one family; return its broken fraction of all bonds (n,)."""
-        yielding = state[:, _T] > 0
-        state[:, _DI] = np.where(yielding, state[:, _DI], di)
-        E = state[:, _E]
+        """Update what has failed of each family; return its broken fraction of all bonds (n, nf)."""
+        yielding = state[:, :, _T] > 0
+        n, f = yielding.shape
+        state[:, :, _DI] = np.where(yielding, state[:, :, _DI], di)
+        E = state[:, :, _E]
         if self.plastic_damage_criterion is not None and yielding.any():
-            Fp: Floats = np.asarray(np.linalg.inv(state[:, :9].reshape(-1, 3, 3)), dtype=float)
-            E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, deformed(pts, Fp)))
+            Fp = np.linalg.inv(state[:, :, :9].reshape(n, f, 3, 3))
+            E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, states(pts, Fp)).reshape(n, f))
         dy = np.where(yielding, self._cdf(self.plastic_damage, pts, E), 0.0)
-        state[:, _DY] = np.where(yielding, dy, state[:, _DY])
-        state[:, _E] = np.where(yielding, E, state[:, _E])
-        state[:, _W] = np.where(yielding, (1.0 - dy) * (1.0 - state[:, _DI]) * share, state[:, _W])
-        return (state[:, _DI] + dy * (1.0 - state[:, _DI])) * share
+        state[:, :, _DY] = np.where(yielding, dy, state[:, :, _DY])
+        state[:, :, _E] = np.where(yielding, E, state[:, :, _E])
+        left = (1.0 - dy) * (1.0 - state[:, :, _DI])
+        state[:, :, _W] = np.where(yielding, left * share, state[:, :, _W])
+        return (1.0 - left) * share
 
     def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
         base: Any = self.elastic
-        Us, w, intact = self._flow(pts)
-        s, c = evaluate(base, pts, tangent)
-        s = s * intact[:, None]
-        c = None if c is None else c * intact[:, None, None]
-        for i in range(w.shape[1]):
-            if w[:, i].any():
-                si, ci = evaluate(base, deformed(pts, pts.F @ Us[:, i]), tangent)
-                s = s + w[:, i, None] * si
-                c = None if c is None or ci is None else c + w[:, i, None, None] * ci
-        return s, c
+        return mixed_stress(base, pts, *self._flow(pts), tangent)
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
@@ -176,7 +169,7 @@ class ReactivePlasticDamage(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact and ci is not None else secant_tangent(lambda p: self._sum(p, False)[0], within)
+            c += ci if exact else secant_tangent(lambda p: self._sum(p, False)[0], within)
 
     def broken(self, pts: Points) -> Floats | float:
         return 0.0 if pts.new is None else pts.new[:, self.offset + 1]
@@ -184,12 +177,7 @@ class ReactivePlasticDamage(Solid):
     def energy(self, pts: Points) -> Floats:
         within = self.inner(pts)
         base: Any = self.elastic
-        Us, w, intact = self._flow(within)
-        W = base.energy(within) * intact
-        for i in range(w.shape[1]):
-            Jp = np.ones(pts.n) if self.isochoric else np.linalg.det(Us[:, i])
-            W = W + w[:, i] / Jp * base.energy(deformed(within, within.F @ Us[:, i]))
-        return W
+        return mixed_energy(base, within, *self._flow(within), bool(self.isochoric))
 
 
 register(ReactivePlasticDamage, "reactive plastic damage")

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Number, Property, Solid, deformed, evaluate
-from .fiber import part
-from .plastic_flow import Trial
+from .base import Floats, Number, Property, Solid
+from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
 from .secant import secant_tangent
 
@@ -125,52 +124,39 @@ class ReactivePlasticity(Solid):
 
     def _flow(self, pts: Points) -> tuple[Floats, Floats]:
         """Inverse plastic parts (n, nf, 3, 3) and fractions (n, nf) of the families at the present state."""
+        base: Any = self.elastic
         state = self._old(pts).copy()
+        n, f = state.shape[:2]
         rtol = float(self.par(pts)[0, 0])
         Ky, share = self.flow_curve.families(pts)
-        for i in range(state.shape[1]):
-            self._family(pts, state[:, i], np.broadcast_to(Ky[:, i], (pts.n,)), share[:, i], rtol)
-        if pts.new is not None:
-            out = state.copy()
-            out[:, :, _Y] = np.where(out[:, :, _W] > 0, 1.0, out[:, :, _Y])
-            pts.new[:, self.offset : self.offset + self.history] = out.reshape(pts.n, -1)
-        return state[:, :, :9].reshape(pts.n, -1, 3, 3), state[:, :, _W]
-
-    def _family(self, pts: Points, state: Floats, Ky: Floats, share: Floats, rtol: float) -> None:
-        """Bring one family (n, 12) from the old state to the present."""
-        base: Any = self.elastic
-        Ku = state[:, _K].copy()
-        Us = state[:, :9].reshape(-1, 3, 3)
-        Kv = self.yield_criterion.of(base, deformed(pts, pts.F @ Us))
-        beyond = Kv - Ky > rtol * Ky
+        Ky = np.broadcast_to(Ky, (n, f))
+        Us = state[:, :, :9].reshape(n, f, 3, 3)
+        Ku = state[:, :, _K].copy()
+        Kv, beyond, _ = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
         fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
-        state[:, _W] = np.where(fresh, share, state[:, _W])
-        at: Any = np.flatnonzero(beyond)
-        if len(at):
-            here = part(pts, at)
-            trial = Trial.start(base, self.yield_criterion, here, Us[at], bool(self.isochoric))
-            F, Kv[at] = return_to_surface(trial, Ky[at], rtol)
-            state[at, :9] = (np.linalg.inv(here.F) @ F).reshape(-1, 9)
-        state[:, _K] = Kv
-        shy = (state[:, _W] > 0) & (state[:, _Y] == 0) & (Kv < Ky / (1 + rtol))
-        state[:, _W] = np.where(shy, 0.0, state[:, _W])
+        w = np.where(fresh, share[:, :f], state[:, :, _W])
+        rows: Any = np.flatnonzero(beyond)
+        if len(rows):
+            here = families_at(pts, rows, f)
+            flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
+            trial = Trial.start(base, self.yield_criterion, here, flat[rows], bool(self.isochoric))
+            F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
+            flat[rows] = np.linalg.inv(here.F) @ F
+            Us, Kv = flat.reshape(n, f, 3, 3), K.reshape(n, f)
+        yielded = state[:, :, _Y] > 0
+        w = np.where((w > 0) & ~yielded & (Kv < Ky / (1 + rtol)), 0.0, w)
+        if pts.new is not None:
+            state[:, :, :9], state[:, :, _K], state[:, :, _W] = Us.reshape(n, f, 9), Kv, w
+            state[:, :, _Y] = yielded | (w > 0)
+            pts.new[:, self.offset : self.offset + self.history] = state.reshape(n, -1)
+        return Us, w
 
     def _cauchy(self, pts: Points) -> Floats:
         return self._sum(pts, False)[0]
 
     def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
-        base: Any = self.elastic
         Us, w = self._flow(pts)
-        s, c = evaluate(base, pts, tangent)
-        k = 1.0 - w.sum(1)
-        s = s * k[:, None]
-        c = None if c is None else c * k[:, None, None]
-        for i in range(w.shape[1]):
-            if w[:, i].any():
-                si, ci = evaluate(base, deformed(pts, pts.F @ Us[:, i]), tangent)
-                s = s + w[:, i, None] * si
-                c = None if c is None or ci is None else c + w[:, i, None, None] * ci
-        return s, c
+        return mixed_stress(self.elastic, pts, Us, w, 1.0 - w.sum(1), tangent)  # type: ignore[arg-type]
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
@@ -178,20 +164,13 @@ class ReactivePlasticity(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact and ci is not None else secant_tangent(self._cauchy, within)
-
-    def broken(self, pts: Points) -> Floats | float:
-        return 0.0
+            c += ci if exact else secant_tangent(self._cauchy, within)
 
     def energy(self, pts: Points) -> Floats:
         within = self.inner(pts)
-        base: Any = self.elastic
         Us, w = self._flow(within)
-        W = base.energy(within) * (1.0 - w.sum(1))
-        for i in range(w.shape[1]):
-            Jp = np.ones(pts.n) if self.isochoric else np.linalg.det(Us[:, i])
-            W = W + w[:, i] / Jp * base.energy(deformed(within, within.F @ Us[:, i]))
-        return W
+        base: Any = self.elastic
+        return mixed_energy(base, within, Us, w, 1.0 - w.sum(1), bool(self.isochoric))
 
 
 register(ReactivePlasticity, "reactive plasticity")

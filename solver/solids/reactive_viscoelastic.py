@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..points import Points
+from .batches import states
 from .base import Floats, Number, Property, Solid
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
@@ -182,17 +183,15 @@ class _Bonds:
 
     def _repeat(self, pts: Points, U: Floats, J: Floats) -> Points:
         """Each point once for each of b generations of birth state U (n, b, 3, 3)."""
-        b = U.shape[1]
-
-        def times(x: Floats | None) -> Any:
-            return x if x is None or len(x) == 1 or b == 1 else np.repeat(x, b, axis=0)
-
-        F = np.ascontiguousarray((pts.F[:, None] @ np.linalg.inv(U)).reshape(-1, 3, 3))
-        extra = {k: times(v) if isinstance(v, np.ndarray) else v for k, v in pts.extra.items()}
+        F = pts.F[:, None] @ np.linalg.inv(U)
+        if U.shape[1] == 1:  # the bond may keep a history
+            out = replace(pts, F=np.ascontiguousarray(F[:, 0]), J=pts.J / J[:, 0])
+        else:
+            out = states(pts, F, pts.J[:, None] / J)
         if isinstance(self.bond, (ContinuousFibers, ContinuousFibersUncoupled)):
-            extra["prestretch"] = np.ascontiguousarray(U.reshape(-1, 3, 3))
-        same = {} if b == 1 else {"X": times(pts.X), "e": times(pts.e), "old": None, "new": None}
-        return replace(pts, F=F, J=(pts.J[:, None] / J).ravel(), Q=times(pts.Q), extra=extra, **same)
+            stretch = np.ascontiguousarray(U.reshape(-1, 3, 3))
+            out = replace(out, extra={**out.extra, "prestretch": stretch})
+        return out
 
     def _sum(self, pts: Points, s: Floats, c: Floats | None, strong: Law, bond: Law, rest: bool) -> None:
         within = self.inner(pts)  # type: ignore[attr-defined]

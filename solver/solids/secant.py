@@ -10,6 +10,7 @@ import numpy as np
 from ..kernels.push import congruence
 from ..points import Points
 from .base import Floats
+from .batches import states
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
@@ -54,25 +55,20 @@ def secant_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float =
     """c (n, 6, 6) from forward differences of S(E): dS/dE_kl pushed forward and divided by J.
 
     ``stress(pts)`` returns the Cauchy stress (n, 6); it sees points turned back by the rotation R of F = R U,
-    without ``new``, and must be frame indifferent.
+    with ``old`` and without ``new``, and must be frame indifferent.
     """
-    C = np.swapaxes(pts.F, 1, 2) @ pts.F
-
-    def piola(C: Floats) -> Floats:
-        w, V = np.linalg.eigh(C)
-        U = (V * np.sqrt(w)[:, None, :]) @ np.swapaxes(V, 1, 2)
-        Ui = (V / np.sqrt(w)[:, None, :]) @ np.swapaxes(V, 1, 2)
-        J = np.sqrt(w.prod(1))
-        s = stress(replace(pts, F=np.ascontiguousarray(U), J=J, new=None))
-        S = np.empty_like(s)
-        congruence(np.ascontiguousarray(Ui), J, s, S)
-        return S
-
-    S0 = piola(C)
-    D = np.empty((pts.n, 6, 6))
+    C = (np.swapaxes(pts.F, 1, 2) @ pts.F)[:, None] + np.zeros((7, 1, 1))
     for m, (k, l) in enumerate(_PAIRS):
-        dC = np.zeros((3, 3))
-        dC[k, l] += eps
-        dC[l, k] += eps
-        D[:, :, m] = (piola(C + dC) - S0) / eps
-    return _push(D, pts)
+        C[:, m + 1, k, l] += eps
+        C[:, m + 1, l, k] += eps
+    w, V = np.linalg.eigh(C)
+    root = np.sqrt(w)
+    U = (V * root[..., None, :]) @ np.swapaxes(V, -1, -2)
+    Ui = (V / root[..., None, :]) @ np.swapaxes(V, -1, -2)
+    turned = states(pts, U, root.prod(-1), history=True)
+    s = stress(turned)
+    S = np.empty_like(s)
+    congruence(np.ascontiguousarray(Ui.reshape(-1, 3, 3)), turned.J, s, S)
+    S = S.reshape(pts.n, 7, 6)
+    D = (S[:, 1:] - S[:, :1]) / eps  # (n, pair, 6)
+    return _push(np.ascontiguousarray(np.swapaxes(D, 1, 2)), pts)

@@ -1,0 +1,35 @@
+"""Many states of the same points in one batch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..points import Points
+from .base import Floats
+
+
+def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = False) -> Points:
+    """Each of n points under b deformation gradients ``F`` (n, b, 3, 3), as n b points in that order.
+
+    History goes along where ``history`` is asked for (read only), else it is left out.
+    """
+    n, b = F.shape[:2]
+
+    def times(x: Floats | None) -> Any:
+        return x if x is None or len(x) == 1 or b == 1 else np.repeat(x, b, axis=0)
+
+    F = np.ascontiguousarray(F.reshape(-1, 3, 3))
+    return replace(
+        pts,
+        F=F,
+        J=np.linalg.det(F) if J is None else np.ascontiguousarray(J.reshape(-1)),
+        X=np.repeat(pts.X, b, axis=0),
+        e=np.repeat(pts.e, b),
+        Q=times(pts.Q),
+        old=times(pts.old) if history else None,
+        new=None,
+        extra={k: times(v) if isinstance(v, np.ndarray) and len(v) == n else v for k, v in pts.extra.items()},
+    )
