@@ -26,12 +26,19 @@ def canonical(model: Model) -> Model:
     maps = tuple(m for m in model.mesh_data if m.name != "shell thickness") + tuple(
         thickness[k] for k in sorted(thickness))
     controllers = tuple(replace(c, spec=_curve(c.spec)) for c in model.controllers)
+    maps = tuple(replace(m, spec=_map(m.spec)) for m in maps)
     return replace(
         model, domains=domains, mesh_data=maps, controllers=controllers,
         materials=tuple(replace(m, id=None) for m in model.materials),
         common=_stage(model.common, materials),
         steps=tuple(replace(_stage(s, materials), name=None) for s in model.steps),
         discrete=tuple(replace(d, id=None) for d in model.discrete))
+
+
+def _map(spec: Component) -> Component:
+    """Without its set and name, which the record holds."""
+    rest = {k: v for k, v in spec.attrs.items() if k not in ("node_set", "elem_set", "surface")}
+    return replace(spec, name=None, attrs=rest)
 
 
 def _domain_type(kind: str | None) -> str | None:

@@ -111,7 +111,8 @@ class _Diff:
         for name, x, y in self._pairs("discrete set", a.discrete_sets, b.discrete_sets):
             self.array(f"discrete set {name}", x.pairs, y.pairs)
         for name, x, y in self._pairs("surface pair", a.surface_pairs, b.surface_pairs):
-            if (x.primary, x.secondary) != (y.primary, y.secondary):
+            sides = ((x.primary, y.primary), (x.secondary, y.secondary))
+            if not all(p == q or self.same_surface(p, q) for p, q in sides):
                 self.add(f"surface pair {name}", (x.primary, x.secondary), (y.primary, y.secondary))
 
     def _pairs(self, what: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterable[tuple[str, Any, Any]]:

@@ -88,6 +88,7 @@ class Document:
     _at: list[int] = field(default_factory=list)  # start of each cut in the parsed text
     _shift: list[int] = field(default_factory=list)  # bytes taken out up to and with that cut
     baseline: Any = None  # the model as it was read
+    remarks: dict[str, list[str]] = field(default_factory=dict)  # comments in front of sections, by section
     own: bool = False  # the model was read from this very tree, not from a converted one
     origin: dict[int, Tag] = field(default_factory=dict)  # id(component) -> the tag it was read from
 
@@ -157,12 +158,18 @@ class _Builder:
         self.doc, self.tables = doc, tables
         self.stack: list[Tag] = []
         self.root: Tag | None = None
+        self.waiting: list[str] = []  # comments whose section comes next
         self.parser = p = expat.ParserCreate()
         p.buffer_text = True
         p.StartElementHandler = self.start
         p.EndElementHandler = self.end
         p.CharacterDataHandler = self.text
+        p.CommentHandler = self.comment
         p.StartDoctypeDeclHandler = self.doctype
+
+    def comment(self, text: str) -> None:
+        if len(self.stack) < 2:
+            self.waiting.append(text)
 
     def doctype(self, name: str, *_: object) -> None:
         raise InputError("DOCTYPE and entity declarations are not read: remove them from the file",
@@ -179,6 +186,9 @@ class _Builder:
                 raise InputError(f"tags are nested more than {MAX_DEPTH} deep", tag.where)
         else:
             self.root = tag
+        if self.waiting and len(stack) < 2:
+            self.doc.remarks.setdefault(tag.name, []).extend(self.waiting)
+            self.waiting = []
         stack.append(tag)
 
     def end(self, name: str) -> None:

@@ -62,5 +62,18 @@ def _write(tag: Tag, indent: str, out: list[str]) -> None:
         out += [head, "/>\n"]
 
 
-def document_bytes(root: Tag) -> bytes:
-    return (HEADER + tag_text(root)).encode()
+SAME = {"Geometry": "Mesh"}  # sections by their present name
+
+
+def document_bytes(root: Tag, remarks: dict[str, list[str]] | None = None) -> bytes:
+    """A whole file; ``remarks`` are comments to stand in front of sections, by section."""
+    out = [HEADER]
+    left = {SAME.get(k, k): list(v) for k, v in (remarks or {}).items()}
+    out += [f"<!--{r}-->\n" for r in left.pop(root.name, [])]
+    out.append(f"<{root.name}{attributes(root.attrs)}>\n")
+    for c in root:
+        out += [f"\t<!--{r}-->\n" for r in left.pop(SAME.get(c.name, c.name), [])]
+        out.append(tag_text(c, "\t"))
+    out += [f"\t<!--{r}-->\n" for rest in left.values() for r in rest]
+    out.append(f"</{root.name}>\n")
+    return "".join(out).encode()

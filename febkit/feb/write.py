@@ -23,17 +23,19 @@ def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]
     version = version or (model.version if model.document is not None else "4.0")
     doc = model.document
     notes: list[str] = []
+    remarks: dict[str, list[str]] = {}
     if isinstance(doc, Document):
         if version == model.version and doc.baseline is model:
             return doc.data, []
         if version == model.version == "4.0" and doc.own:
             return splice(doc, doc.baseline, model), []
-        comments = doc.data.count(b"<!--")
-        if comments:
-            notes.append(f"{comments} comments: they stay behind in the file that was read")
+        remarks = doc.remarks
+        comments = doc.data.count(b"<!--") - sum(map(len, remarks.values()))
+        if comments > 0:
+            notes.append(f"{comments} comments within sections: they stay behind in the file that was read")
     root = tree(model)
     notes += convert.down(root, version)
-    return document_bytes(root), notes
+    return document_bytes(root, remarks), notes
 
 
 def write(model: Model, path: str | PathLike[str], version: str | None = None) -> list[str]:
