@@ -27,6 +27,18 @@ class Places:
         self.facets = _spans([len(s.rows()) for s in outline.surfaces])
         self.lines = _spans([len(s.rows()) for s in outline.edges])
         self._nodes: dict[tuple[str, int], np.ndarray] = {}
+        self._gathers: dict[tuple[int, ...], np.ndarray] = {}
+
+    def gather(self, regions: tuple[int, ...]) -> np.ndarray:
+        """Row of each node in the values of these domains one after the other, the last domain that has it;
+        one row past the end where none has it."""
+        if regions not in self._gathers:
+            nodes = [self.nodes("domain", r - 1) for r in regions]
+            end = sum(map(len, nodes))
+            rows = np.full(self.outline.n_nodes, end)
+            rows[np.concatenate(nodes)] = np.arange(end)
+            self._gathers[regions] = rows
+        return self._gathers[regions]
 
     def count(self, section: str) -> int:
         """Regions of a section."""
@@ -145,6 +157,9 @@ class Field:
     def fill(self, t: int, out: np.ndarray) -> None:
         """Write the array of one state into ``out``."""
         found = list(self.file.regions(self.index, int(self.states[t])))
+        if found and self._merged:
+            self._merge(found, out)
+            return
         if not self._covers([r for r, _ in found]):
             out.fill(np.nan)
         inner = self.shape[1:]
@@ -158,6 +173,17 @@ class Field:
             else:
                 out[place] = self._sized(values, region, rows).reshape(rows, *inner)
 
+    @property
+    def _merged(self) -> bool:
+        """Whether nodal values of several domains go into one array."""
+        return self.variable.section == "domain" and self.variable.format == "node" and not self.apart
+
+    def _merge(self, found: list[tuple[int, np.ndarray]], out: np.ndarray) -> None:
+        parts = [self._sized(values, r, self.place(r)[1]) for r, values in found]
+        nothing = np.full(self.variable.values, np.nan, np.float32)
+        rows = np.concatenate([*parts, nothing], dtype=np.float32).reshape(-1, *self.shape[1:])
+        np.take(rows, self.places.gather(tuple(r for r, _ in found)), axis=0, out=out, mode="clip")
+
     def _covers(self, regions: list[int]) -> bool:
         """Whether these regions fill the whole array."""
         v = self.variable
@@ -165,8 +191,6 @@ class Field:
             return bool(regions)
         if v.format == "mult":
             return False
-        if v.format == "node" and v.section == "domain" and not self.apart:
-            return any(len(self.place(r)[0]) == self.shape[0] for r in regions)  # type: ignore[arg-type]
         return len(set(regions)) == self.places.count(v.section)
 
     def _sized(self, values: np.ndarray, region: int, rows: int) -> np.ndarray:
