@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .clock import Clock
 from .group import NegativeJacobian
 from .linear.base import LinearError, LinearSolver
 from .problem import P
@@ -63,8 +64,10 @@ class _Norms:
 class Newton:
     """Solves time steps of one system; keeps the factored tangent between them."""
 
-    def __init__(self, system: System, solver: LinearSolver, watch: Callable[[Iteration], None]) -> None:
-        self.system, self.solver, self.watch = system, solver, watch
+    def __init__(
+        self, system: System, solver: LinearSolver, watch: Callable[[Iteration], None], clock: Clock | None = None
+    ) -> None:
+        self.system, self.solver, self.watch, self.clock = system, solver, watch, clock or Clock()
         self.options = system.step.newton
         method = METHODS.get(self.options.method, FullNewton)
         if self.options.updates == 0:
@@ -85,18 +88,21 @@ class Newton:
         x = np.empty_like(b)
         x[self.given] = b[self.given]
         if len(self.rows):
-            x[self.rows] = self.solver.solve(b[self.rows])
+            with self.clock("linear solves"):
+                x[self.rows] = self.solver.solve(b[self.rows])
         return x
 
     def _reform(self, step: Floats) -> Floats:
         """Renew and factorise the tangent; returns minus its prescribed columns times ``step``."""
         if self.count.reforms >= self.options.max_reforms:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
-        A, Fd = self.system.tangent(step)
+        with self.clock("tangent"):
+            A, Fd = self.system.tangent(step)
         if A.n:
             if not np.isfinite(A.data).all():
                 raise NotConverged("the tangent holds a number that is not finite")
-            self.solver.factor(A)
+            with self.clock("factorisation"):
+                self.solver.factor(A)
         self.count.reforms += 1
         self.count.total_reforms += 1
         self.qn.reset()
@@ -104,13 +110,15 @@ class Newton:
 
     def _residual(self) -> Floats:
         self.count.residuals += 1
-        R = self.system.residual()
+        with self.clock("residual"):
+            R = self.system.residual()
         if not np.isfinite(R).all():
             raise NotConverged("the residual holds a number that is not finite")
         return R
 
     def _move(self, u: Floats) -> None:
-        self.system.set(self.total + self.increment + u, self.target)
+        with self.clock("stress update"):
+            self.system.set(self.total + self.increment + u, self.target)
 
     # ---- line search ------------------------------------------------------------------------------
     def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:

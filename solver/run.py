@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .clock import Clock
 from .group import Group, NegativeJacobian
 from .linear.base import LinearError
 from .linear.choose import choose
@@ -22,7 +22,7 @@ from .system import System
 from .threads import Team
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
 
 @dataclass
@@ -61,7 +61,8 @@ class Run:
         self.team = Team(self.options.threads)
         self.state = State.at_rest(problem)
         self.groups: list[Group] = []
-        self.totals = Totals()
+        self.clock = Clock()
+        self.totals = Totals(seconds=self.clock.seconds)
         self.times: list[float] = []
         self.index = 0
         self.system: System | None = None
@@ -75,14 +76,6 @@ class Run:
     def tell(self, event: str, *args: object) -> None:
         for listener in self.listeners:
             getattr(listener, event)(self, *args)
-
-    @contextmanager
-    def timed(self, part: str) -> Iterator[None]:
-        t = perf_counter()
-        try:
-            yield
-        finally:
-            self.totals.seconds[part] = self.totals.seconds.get(part, 0.0) + perf_counter() - t
 
     # ---- the loop ---------------------------------------------------------------------------------
     def solve(self) -> Result:
@@ -142,7 +135,10 @@ class Run:
         self.system = System(self.problem, step, self.groups, s, self.team)
         solver = choose(self.options.linear, len(self.system.eqs.rows), self.team.n)
         self.totals.linear_solver = solver.name
-        newton = Newton(self.system, solver, lambda it: self.tell("iteration", it))
+        newton = Newton(self.system, solver, lambda it: self.tell("iteration", it), self.clock)
+        for load in step.loads:
+            if hasattr(load, "begin"):
+                load.begin(s.reaction)
         self.stepper = stepper(step, s.time)
         self.stepper.first(s.time)
         self.count = 0
@@ -253,7 +249,7 @@ class Run:
     def _hand_over(self, status: int) -> None:
         self._saved_at = self.totals.steps
         self.times.append(self.state.time)
-        with self.timed("output"):
+        with self.clock("output"):
             self.tell("save", status)
 
 

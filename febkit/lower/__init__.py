@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import Problem, Step
 
-from . import conditions, control, loads, materials
+from . import conditions, control, loads, materials, shells
 from .context import Context
 
 
@@ -43,6 +43,9 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     if model.module not in ("solid", "biphasic"):
         return None, ctx.refused
     blocks = materials.blocks(ctx)
+    domains = {d.block: d for d in model.domains if d.kind == "shell"}
+    if domains and not ctx.refused:
+        ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
     common = Step()
     _fill(ctx, common, model.common)
     steps = [_step(ctx, s) for s in model.steps]
@@ -52,7 +55,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         raise InputError("the model has no solid domain", None)
     if ctx.refused:
         return None, ctx.refused
-    return Problem(model.mesh.X, blocks, steps, common, model.mesh.node_ids), []
+    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids), []
 
 
 def _whole_sections(ctx: Context) -> None:
@@ -80,7 +83,7 @@ def _step(ctx: Context, spec: ModelStep) -> Step:
 def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
-    out.loads, out.body_loads = loads.loads(ctx, spec.loads)
+    out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
 
 
 __all__ = ["lower", "unsupported"]

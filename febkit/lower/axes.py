@@ -2,43 +2,115 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from febkit.model import Component
+from febkit.model import Component, InputError
+from febkit.solver.solids import axes
 
 from .context import Context
 
+Make = Callable[[Context, Component, str], Any]
+
 
 def element_axes(ctx: Context, part: str) -> np.ndarray | None:
-    """Axes (m, 3, 3) from <ElementData type="mat_axis"> or "fiber" on a part, or None."""
-    for d in ctx.model.mesh_data:
-        if d.kind == "element" and d.name in ("mat_axis", "fiber"):
-            rows = _rows(ctx, d, part)
-            if rows is not None:
-                return rows
-    return None
-
-
-def _rows(ctx: Context, data: Any, part: str) -> np.ndarray | None:
-    values = ctx.element_map(data, part)
-    if np.isnan(values).all():
+    """Axes (m, 3, 3) from <ElementData type="mat_axis"> on a part, or None where there are none."""
+    data = next((d for d in ctx.model.mesh_data if d.kind == "element" and d.name == "mat_axis"), None)
+    if data is None:
         return None
-    from febkit.solver.solids import axes
+    rows = ctx.element_map(data, part)
+    if np.isnan(rows).all():
+        return None
+    Q = axes.element_axes(rows[:, :3], rows[:, 3:6]).Q.copy()
+    Q[np.isnan(rows).any(axis=1)] = np.eye(3)
+    return Q
 
-    if data.name == "fiber":
-        return axes.from_fiber(values[:, :3])
-    return axes.from_two(values[:, :3], values[:, 3:6])
+
+def _vec(c: Component, tag: str, default: tuple[float, float, float]) -> tuple[float, ...]:
+    leaf = c.child(tag)
+    return default if leaf is None else leaf.as_floats(3)
+
+
+def _coordinates(ctx: Context, part: str) -> np.ndarray:
+    return ctx.model.mesh.X[ctx.blocks[part].conn]
+
+
+def _nodes(c: Component, n: int) -> tuple[int, ...]:
+    leaf = c.child("local")
+    text = c.text if leaf is None else leaf.text
+    numbers = tuple(int(float(x)) for x in text.replace(",", " ").split())
+    return (*numbers, *([0] * n))[:n]
+
+
+def _map(ctx: Context, c: Component, part: str, width: int) -> np.ndarray:
+    name = (c.child("map") or c).text.strip()
+    data = next((d for d in ctx.model.mesh_data if d.name == name), None)
+    if data is None:
+        raise InputError(f'there is no map "{name}" in <MeshData>', c.where)
+    return ctx.element_map(data, part)[:, :width]
+
+
+MAT_AXIS: dict[str, Make] = {
+    "vector": lambda _, c, p: axes.vector_axes(_vec(c, "a", (1, 0, 0)), _vec(c, "d", (0, 1, 0))),
+    "local": lambda x, c, p: axes.local_axes(_coordinates(x, p), _nodes(c, 3)),  # type: ignore[arg-type]
+    "angles": lambda x, c, p: axes.AngleAxes(x.value(c.child("theta"), 0.0, p), x.value(c.child("phi"), 90.0, p)),
+    "spherical": lambda _, c, p: axes.SphericalAxes(_vec(c, "center", (0, 0, 0)), _vec(c, "vector", (1, 0, 0))),
+    "cylindrical": lambda _, c, p: axes.CylindricalAxes(
+        _vec(c, "center", (0, 0, 0)), _vec(c, "axis", (0, 0, 1)), _vec(c, "vector", (1, 0, 0))
+    ),
+    "polar": lambda _, c, p: axes.PolarAxes(
+        _vec(c, "center", (0, 0, 0)), _vec(c, "axis", (0, 0, 1)), _vec(c, "vector1", (1, 0, 0)),
+        _vec(c, "vector2", (1, 0, 0)), c.float("radius1", 0.0), c.float("radius2", 1.0),
+    ),
+    "map": lambda x, c, p: axes.FixedAxes(_map(x, c, p, 9).reshape(-1, 3, 3)),
+}  # fmt: skip
+
+
+def _user_fiber(ctx: Context, c: Component, part: str) -> Any:
+    data = next((d for d in ctx.model.mesh_data if d.kind == "element" and d.name == "fiber"), None)
+    if data is None:
+        raise InputError('<fiber type="user"> needs <ElementData type="fiber">', c.where)
+    return axes.fixed_vector(ctx.element_map(data, part)[:, :3])
+
+
+def _math_fiber(ctx: Context, c: Component, part: str) -> Any:
+    parts = (c.child("vector") or c.child("math") or c).text.split(",")
+    if len(parts) != 3:
+        raise InputError(f"<{c.tag}> must be three formulas separated by commas", c.where)
+    return axes.MathVector(*(ctx.formula(x, c) for x in parts))
+
+
+DIRECTION: dict[str, Make] = {
+    "vector": lambda _, c, p: axes.fixed_vector(
+        c.as_floats(3) if c.text.strip() and not c.children else _vec(c, "vector", (1, 0, 0))
+    ),
+    "local": lambda x, c, p: axes.local_vector(_coordinates(x, p), _nodes(c, 2)),  # type: ignore[arg-type]
+    "angles": lambda x, c, p: axes.AngleVector(x.value(c.child("theta"), 0.0, p), x.value(c.child("phi"), 90.0, p)),
+    "spherical": lambda _, c, p: axes.SphericalVector(_vec(c, "center", (0, 0, 0)), _vec(c, "vector", (1, 0, 0))),
+    "cylindrical": lambda _, c, p: axes.CylindricalVector(
+        _vec(c, "center", (0, 0, 0)), _vec(c, "axis", (0, 0, 1)), _vec(c, "vector", (1, 0, 0))
+    ),
+    "user": _user_fiber,
+    "math": _math_fiber,
+    "map": lambda x, c, p: axes.fixed_vector(_map(x, c, p, 3)),
+}  # fmt: skip
+
+
+def _make(table: dict[str, Make], ctx: Context, spec: Component, part: str) -> Any:
+    kind = spec.type or "vector"
+    if kind not in table:
+        ctx.refuse(f'<{spec.tag} type="{kind}">', spec.where)
+        return None
+    return table[kind](ctx, spec, part)
 
 
 def mat_axis(ctx: Context, spec: Component, part: str) -> Any:
-    """<mat_axis type=...> as a callable of points giving (1|n, 3, 3)."""
-    ctx.refuse(f'<mat_axis type="{spec.type}">', spec.where)
-    return None
+    """<mat_axis type=...>: points -> axes (1|n, 3, 3)."""
+    return _make(MAT_AXIS, ctx, spec, part)
 
 
 def direction(ctx: Context, spec: Component, part: str) -> Any:
-    """<fiber type=...> as a direction field."""
-    ctx.refuse(f'<{spec.tag} type="{spec.type}">', spec.where)
-    return None
+    """<fiber type=...>: points -> directions (1|n, 3)."""
+    return _make(DIRECTION, ctx, spec, part)

@@ -54,6 +54,27 @@ def _prescribed(ctx: Context, c: Component, column: int) -> list[Fixed | Prescri
     return [Prescribed(column, nodes, value, c.bool("relative"))]
 
 
+def _back(ctx: Context, c: Component) -> np.ndarray:
+    """Back nodes of a condition on shell displacements."""
+    back = ctx.back[_nodes(ctx, c)]
+    return np.asarray(back[back >= 0])
+
+
+def _zero_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"sx_dof", "sy_dof", "sz_dof"})
+    nodes = _back(ctx, c)
+    return [Fixed(k, nodes) for axis, k in (("x", UX), ("y", UY), ("z", UZ)) if c.bool(f"s{axis}_dof")]
+
+
+def _prescribed_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"dof", "value", "relative"})
+    dof = c.need("dof").text.strip()
+    if dof not in ("sx", "sy", "sz"):
+        raise InputError(f"<dof> must be sx, sy or sz, not {dof!r}", c.need("dof").where)
+    nodes = _back(ctx, c)
+    return [Prescribed(COLUMN[dof[1]], nodes, ctx.value(c.child("value"), 0.0), c.bool("relative"))]
+
+
 def _prescribed_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     dof = c.need("dof").text.strip()
     if dof not in ("x", "y", "z"):
@@ -68,6 +89,8 @@ def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]
 READERS = {
     "zero displacement": _zero_displacement,
     "prescribed displacement": _prescribed_displacement,
+    "zero shell displacement": _zero_shell,
+    "prescribed shell displacement": _prescribed_shell,
     "zero fluid pressure": _zero_pressure,
     "prescribed fluid pressure": _prescribed_pressure,
 }

@@ -21,6 +21,8 @@ class Context:
         self.model = model
         self.refused: list[UnsupportedError] = []
         self._controllers: dict[int, Controller] = {}
+        self.X = model.mesh.X  # nodes of the problem: the mesh's, then back nodes of shells
+        self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:
         """Note a feature that febkit does not solve."""
@@ -41,11 +43,8 @@ class Context:
 
         assert isinstance(spec, LoadController)
         if spec.type == "loadcurve":
-            try:
-                from febkit.solver.controllers import LoadCurve
-            except ImportError:  # TEMPORARY
-                a = np.array(spec.points, dtype=float)
-                return lambda t: float(np.interp(t, a[:, 0], a[:, 1]))
+            from febkit.solver.controllers import LoadCurve
+
 
             interpolate = spec.spec.str("interpolate", "LINEAR") or "LINEAR"
             extend = spec.spec.str("extend", "CONSTANT") or "CONSTANT"
@@ -77,7 +76,7 @@ class Context:
     def _base(self, leaf: Component, maps: str) -> Value:
         kind = leaf.type or leaf.attrs.get("type") or "const"
         if kind == "math":
-            return self._formula((leaf.child("math") or leaf).text, leaf)
+            return self.formula((leaf.child("math") or leaf).text, leaf)
         if kind == "map":
             return self._map((leaf.child("map") or leaf).text.strip(), leaf, maps)
         if kind != "const":
@@ -87,9 +86,9 @@ class Context:
         try:
             return Constant(float(leaf.text))
         except ValueError:
-            return self._formula(leaf.text, leaf)
+            return self.formula(leaf.text, leaf)
 
-    def _formula(self, text: str, leaf: Component) -> Value:
+    def formula(self, text: str, leaf: Component) -> Value:
         f = formulas.compile(text, ("X", "Y", "Z", "t", *self.model.variables), dict(self.model.variables), leaf.where)
         if f.uniform and f.steady:
             return Constant(float(f()))

@@ -2,15 +2,169 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from febkit.model import Component
+import numpy as np
+
+from febkit.model import Component, InputError
+from febkit.model.sets import element_ids, node_indices
+from febkit.solver import loads as records
+from febkit.solver.loads.base import Patch, patches
+from febkit.solver.problem import STEADY
+from febkit.solver.values import Constant, Scaled, Value
 
 from .context import Context
 
+# tags of each surface load: numbers, vectors, flags
+SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
+    "pressure": (("pressure",), (), ("linear", "symmetric_stiffness")),
+    "traction": (("scale",), ("traction",), ("linear",)),
+    "force": (("scale",), ("force",), ()),
+    "bearing load": (("scale",), ("force",), ("profile", "linear", "symmetric_stiffness")),
+    "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
+    "fluidflux": (("flux",), (), ("linear", "mixture")),
+}
+BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "const": (("x", "y", "z"), ()),
+    "non-const": (("x", "y", "z"), ()),
+    "body force": ((), ("force",)),
+    "centrifugal": (("angular_speed",), ("rotation_axis", "rotation_center")),
+    "mass damping": (("C",), ()),
+}
 
-def loads(ctx: Context, specs: tuple[Component, ...]) -> tuple[list[Any], list[Any]]:
+
+def loads(ctx: Context, specs: tuple[Component, ...], analysis: str) -> tuple[list[Any], list[Any]]:
     """(surface and nodal loads, body loads)."""
+    out: list[Any] = []
+    body: list[Any] = []
     for c in specs:
-        ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
-    return [], []
+        read = {"surface_load": _surface, "nodal_load": _nodal, "body_load": _body}.get(c.tag)
+        if read is None or c.type is None or not records.known(c.type) or _unread(c):
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+            continue
+        made = read(ctx, c, analysis)
+        if made is not None:
+            (body if c.tag == "body_load" else out).append(made)
+    return out, body
+
+
+def _unread(c: Component) -> bool:
+    if c.tag == "surface_load":
+        return c.type not in SURFACE
+    return c.tag == "body_load" and c.type not in BODY
+
+
+def vector(ctx: Context, leaf: Component) -> tuple[Value, Value, Value]:
+    """A vector parameter: numbers or three formulas, times its load controller."""
+    kind = leaf.type or "const"
+    if kind == "math":
+        parts = [x for x in leaf.text.split(",")]
+        if len(parts) != 3:
+            raise InputError(f"<{leaf.tag}> must be three formulas separated by commas", leaf.where)
+        base: list[Value] = [ctx.formula(x, leaf) for x in parts]
+    elif kind in ("const", "vector"):
+        base = [Constant(x) for x in leaf.as_floats(3)]
+    else:
+        ctx.refuse(f'<{leaf.tag} type="{kind}">', leaf.where)
+        base = [Constant(0.0)] * 3
+    if leaf.lc is not None:
+        f = ctx.controller(leaf.lc, leaf.where)
+        base = [Scaled(v, f) for v in base]
+    return base[0], base[1], base[2]
+
+
+def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
+    """The facets a load is on."""
+    name = c.attrs.get("surface", "")
+    if name not in ctx.model.mesh.surfaces:
+        raise InputError(f'there is no surface "{name}"', c.where)
+    conns = dict(ctx.model.mesh.surfaces[name].facets)
+    if c.bool("shell_bottom"):
+        conns = {k: ctx.back[v] for k, v in conns.items()}
+        if any((v < 0).any() for v in conns.values()):
+            raise InputError(f'<shell_bottom>: a facet of "{name}" is no shell', c.where)
+    return patches(conns, ctx.X)
+
+
+def _surface(ctx: Context, c: Component, analysis: str) -> Any:
+    cls = records.load(c.type or "")
+    numbers, vectors, flags = SURFACE[c.type or ""]
+    ctx.check_tags(c, {*numbers, *vectors, *flags, "shell_bottom"})
+    kw: dict[str, Any] = {}
+    for n in numbers:
+        leaf = c.child(n)
+        if leaf is not None:
+            kw[n] = ctx.value(leaf)
+    for n in vectors:
+        leaf = c.child(n)
+        if leaf is not None:
+            kw[n] = vector(ctx, leaf)
+    for n in flags:
+        leaf = c.child(n)
+        if leaf is not None:
+            kw[n] = _profile(leaf) if n == "profile" else leaf.as_bool()
+    if c.type == "fluidflux":
+        kw["steady"] = analysis == STEADY
+    fields = cls.__dataclass_fields__
+    kw["shell_bottom"] = c.bool("shell_bottom")
+    return cls(facets(ctx, c), **{k: v for k, v in kw.items() if k in fields})
+
+
+def _profile(leaf: Component) -> int:
+    names = {"sinusoidal": 0, "parabolic": 1}
+    t = leaf.text.strip().lower()
+    return names[t] if t in names else leaf.as_int()
+
+
+def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
+    ref = c.attrs.get("node_set", "")
+    nodes = node_indices(ctx.model.mesh, ref, c.where)
+    if c.bool("shell_bottom"):
+        nodes = ctx.back[nodes]
+    X = ctx.X[nodes]
+    cls = records.load(c.type or "")
+    relative = c.bool("relative")
+    readers: dict[str, Callable[[], Any]] = {
+        "nodal_force": lambda: cls(nodes, X, relative=relative, value=vector(ctx, c.need("value"))),
+        "nodal_load": lambda: _dof_load(ctx, c, nodes, X, relative),
+        "nodal fluidflux": lambda: cls(nodes, X, value=ctx.value(c.need("value"))),
+        "nodal_target_force": lambda: cls(
+            nodes, X, force=vector(ctx, c.need("force")), scale=ctx.value(c.child("scale"), 1.0)
+        ),
+    }
+    ctx.check_tags(c, {"value", "relative", "dof", "scale", "force", "shell_bottom"})
+    return readers[c.type or ""]()
+
+
+def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, relative: bool) -> Any:
+    dof = c.need("dof").text.strip()
+    leaf = c.child("scale") or c.need("value")
+    if dof == "p":  # FEBio multiplies loads on the pressure by the step size
+        return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf))
+    if dof in ("sx", "sy", "sz"):
+        nodes, dof = ctx.back[nodes], dof[1]
+        X = ctx.X[nodes]
+    if dof not in ("x", "y", "z"):
+        ctx.refuse(f"a nodal load on {dof}", c.where)
+        dof = "x"
+    return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
+
+
+def _body(ctx: Context, c: Component, analysis: str) -> Any:
+    cls = records.load(c.type or "")
+    numbers, vectors = BODY[c.type or ""]
+    ctx.check_tags(c, {*numbers, *vectors})
+    kw: dict[str, Any] = {n: ctx.value(c.need(n)) for n in numbers if c.child(n) is not None}
+    for n in vectors:
+        leaf = c.child(n)
+        if leaf is not None:
+            kw["given" if n == "force" else n] = vector(ctx, leaf)
+    where = c.attrs.get("elem_set") or ""
+    if where:
+        ids = element_ids(ctx.model.mesh, where, c.where)
+        named = {d.block for d in ctx.model.domains if d.kind == "solid"}
+        rows = {n: np.flatnonzero(np.isin(ctx.blocks[n].ids, ids)) for n in named if n in ctx.blocks}
+        rows = {n: r for n, r in rows.items() if len(r)}
+        kw["blocks"], kw["elements"] = tuple(rows), rows
+    return cls(**kw)

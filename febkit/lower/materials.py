@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 
 from febkit.model import Component, Domain, InputError
+from febkit.model import math as formulas
 from febkit.solver import permeabilities, supplies
 from febkit.solver.problem import Augment, Block, Mixture
 from febkit.solver.solids import registry
-from febkit.solver.solids.base import Property, Solid
+from febkit.solver.solids.base import Property
 from febkit.solver.values import Constant
 
+from . import shells
 from .axes import direction, element_axes, mat_axis
 from .context import Context
 
@@ -24,14 +27,14 @@ IGNORED = frozenset({"name", "mat_axis"})
 
 
 def blocks(ctx: Context) -> list[Block]:
-    """One solver block per solid domain."""
+    """One solver block per solid or shell domain."""
     out = []
     named = {m.name: m for m in ctx.model.materials}
     if not ctx.model.domains:
         raise InputError("the model has no <MeshDomains>: no element has a material", None)
     for d in ctx.model.domains:
-        if d.kind != "solid":
-            ctx.refuse(f"a {d.kind} domain (part \"{d.block}\")", d.where)
+        if d.kind not in ("solid", "shell"):
+            ctx.refuse(f'a {d.kind} domain (part "{d.block}")', d.where)
             continue
         if d.block not in ctx.blocks:
             raise InputError(f'there is no element block "{d.block}"', d.where)
@@ -47,17 +50,16 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     from febkit.solver import elements
 
     mesh = ctx.blocks[d.block]
-    if mesh.type not in elements.VOLUMES:
+    if d.kind == "shell" and not shells.check(ctx, d):
+        return None
+    if d.kind == "solid" and mesh.type not in elements.VOLUMES:
         ctx.refuse(f"element type {mesh.type}", mesh.where)
         return None
-    mixture = None
-    top = spec
+    mixture, top = None, spec
     if spec.type == "biphasic":
         mixture = _mixture(ctx, spec, d.block)
         spec = spec.need("solid")
-    elif ctx.model.module not in ("solid", "biphasic"):
-        return None
-    solid = solid_record(ctx, spec, "solid", d.block)
+    solid = record(ctx, spec, "solid", d.block)
     if solid is None:
         return None
     block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture)
@@ -65,7 +67,12 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     own = top.child("mat_axis")
     if mixture is not None and own is not None:
         solid.mat_axis = mat_axis(ctx, own, d.block)
-    _formulation(ctx, d, block)
+    if d.kind == "solid":
+        _formulation(ctx, d, block)
+    elif mixture is not None:
+        ctx.refuse(f'a biphasic shell (part "{d.block}")', d.where)
+    elif solid.uncoupled and shells.three_field(d, mesh.type):
+        block.formulation = "three-field"
     return block
 
 
@@ -135,27 +142,22 @@ def _numbers(ctx: Context, leaf: Component, n: int) -> tuple[Any, ...]:
     return tuple(Scaled(Constant(x), ctx.controller(leaf.lc, leaf.where)) for x in numbers)
 
 
-def solid_record(ctx: Context, spec: Component, table: str, part: str) -> Solid | Any:
+def _defaults(cls: Any) -> dict[str, Any]:
+    return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
+
+
+def record(ctx: Context, spec: Component, table: str, part: str) -> Any:
     """The record of a material or of a property of one; None where it is refused."""
     if spec.type is None or not registry.known(table, spec.type):
         ctx.refuse(f'<{spec.tag} type="{spec.type}">', spec.where)
         return None
     cls = registry.load(table, spec.type)
+    refusals = len(ctx.refused)
     fields: dict[str, Any] = {}
-    defaults = cls.defaults()
     for c in spec:
         _field(ctx, cls, c, part, fields, spec)
-    for name in cls.parameters:
-        if name not in fields and name not in defaults:
-            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{registry.tag_name(name)}>', spec.where)
-    for name, prop in cls.properties.items():
-        if name in fields:
-            fields[name] = tuple(fields[name]) if prop.many else fields[name][-1]
-        elif prop.default is not None:
-            fields[name] = _child(ctx, Component(name, prop.default, where=spec.where), prop, part)
-        elif not prop.optional and not prop.many:
-            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{name}>', spec.where)
-    if ctx.refused and any(v is None for v in fields.values()):
+    _complete(ctx, cls, fields, spec, part)
+    if len(ctx.refused) > refusals:
         return None
     try:
         return cls(**fields)
@@ -163,27 +165,47 @@ def solid_record(ctx: Context, spec: Component, table: str, part: str) -> Solid 
         raise InputError(f'<{spec.tag} type="{spec.type}">: {e}', spec.where) from None
 
 
+def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, part: str) -> None:
+    """Required parameters must be there; properties take their default type."""
+    defaults = _defaults(cls)
+    for name in cls.parameters:
+        if name not in fields and name not in defaults:
+            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{registry.tag_name(name)}>', spec.where)
+    for name, prop in cls.properties.items():
+        if name in fields:
+            fields[name] = tuple(fields[name]) if prop.many else fields[name][-1]
+        elif prop.default is not None and prop.table != "direction":
+            fields[name] = _child(ctx, Component(name, prop.default, where=spec.where), prop, part)
+        elif not prop.optional and not prop.many and prop.table != "direction":
+            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{name}>', spec.where)
+
+
 def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, Any], spec: Component) -> None:
     name = registry.field_name(c.tag)
-    properties = getattr(cls, "properties", {})
-    if c.tag == "mat_axis":
+    if c.tag == "mat_axis" and hasattr(cls, "mat_axis"):
         fields["mat_axis"] = mat_axis(ctx, c, part)
-    elif name in properties:
-        made = _child(ctx, c, properties[name], part)
-        fields.setdefault(name, []).append(made)
+    elif name in cls.properties:
+        fields.setdefault(name, []).append(_child(ctx, c, cls.properties[name], part))
     elif name in cls.parameters:
-        fields[name] = ctx.value(c, maps=part)
-    elif name in getattr(cls, "options", ()):
-        fields[name] = int(c.as_float())
-    elif c.tag in ("density", "k", "pressure_model") and hasattr(cls, "density_"):
-        if c.tag == "density":
-            fields["density_"] = ctx.value(c, maps=part)
-        elif cls.uncoupled:
-            fields[c.tag] = ctx.value(c, maps=part) if c.tag == "k" else _pressure_model(c)
-        else:
-            ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
+        default = _defaults(cls).get(name)
+        fields[name] = _numbers(ctx, c, len(default)) if isinstance(default, tuple) else ctx.value(c, maps=part)
+    elif name in cls.options:
+        fields[name] = _option(c)
+    elif c.tag == "density" and hasattr(cls, "density_"):
+        fields["density_"] = ctx.value(c, maps=part)
+    elif c.tag == "k" and getattr(cls, "uncoupled", False):
+        fields["k"] = ctx.value(c, maps=part)
+    elif c.tag == "pressure_model" and getattr(cls, "uncoupled", False):
+        fields["pressure_model"] = _pressure_model(c)
     elif c.tag not in IGNORED:
         ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
+
+
+def _option(c: Component) -> Any:
+    try:
+        return int(c.as_float())
+    except InputError:
+        return c.text.strip()
 
 
 def _pressure_model(leaf: Component) -> int:
@@ -193,14 +215,37 @@ def _pressure_model(leaf: Component) -> int:
 
 
 def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
-    if prop.table in ("direction", "vector"):
+    if prop.table == "direction":
         return direction(ctx, c, part)
-    return solid_record(ctx, c, prop.table, part)
+    if prop.table == "curve":
+        return _curve(ctx, c)
+    if prop.table == "formula":
+        f = formulas.compile((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+        if len(f.names) > 1:
+            raise InputError(f"<{c.tag}> must be a formula of one variable", c.where)
+        name = next(iter(f.names), "x")
+        return lambda x: f.at({name: x})
+    return record(ctx, c, prop.table, part)
 
 
-def is_rigid(spec: Component) -> bool:
-    return spec.type == "rigid body"
+def _curve(ctx: Context, c: Component) -> Any:
+    """A function of one variable: constant, linear ramp, step, points or formula."""
+    from febkit.solver.controllers import LoadCurve
 
-
-def unique_nodes(conn: np.ndarray) -> np.ndarray:
-    return np.unique(conn)
+    kind = c.type or "const"
+    if kind == "point":
+        points = [p.as_floats(2) for p in c.need("points")]
+        f = LoadCurve(np.array(points), c.str("interpolate", "linear"), c.str("extend", "constant"))
+        return lambda x: np.vectorize(f)(x)
+    if kind == "math":
+        g = formulas.compile((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+        name = next(iter(g.names), "x")
+        return lambda x: g.at({name: x})
+    if kind == "const":
+        v = (c.child("value") or c).as_float()
+        return lambda x: np.full(np.shape(x), v)
+    if kind in ("linear ramp", "linear"):
+        slope, start = c.float("slope", 0.0), c.float("intercept", 0.0)
+        return lambda x: slope * np.asarray(x) + start
+    ctx.refuse(f'<{c.tag} type="{kind}">', c.where)
+    return None

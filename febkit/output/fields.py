@@ -120,6 +120,10 @@ def _pk1(g: Group) -> Floats:
     return P.reshape(g.m, g.g, 9)
 
 
+def _shell(g: Group) -> bool:
+    return g.block.element.startswith("shell_")
+
+
 NODAL: dict[str, Nodal] = {
     "displacement": lambda r: r.state.u,
     "nodal velocity": lambda r: r.state.velocity,
@@ -149,8 +153,8 @@ DOMAIN: dict[str, Domain] = {
     "fluid load support": _item(_load_support),
     "porosity": _item(_porosity),
     "referential solid volume fraction": _item(_solid_fraction),
-    "nodal stress": lambda g: _nodes(point_stress(g), g),
-    "nodal strain": lambda g: _nodes(point_strain(g), g),
+    "nodal stress": lambda g: None if _shell(g) else _nodes(point_stress(g), g),
+    "nodal strain": lambda g: None if _shell(g) else _nodes(point_strain(g), g),
     "nodal fluid flux": lambda g: None if g.block.mixture is None else _nodes(g.w, g),
 }
 

@@ -71,7 +71,7 @@ class PlotListener(Listener):
 
     def _values(self, run: Run, name: str) -> Any:
         if VARIABLES[name].section == "node":
-            return {0: np.asarray(fields.NODAL[name](run), np.float32)}
+            return {0: np.asarray(fields.NODAL[name](run)[: len(self.mesh.X)], np.float32)}
         out: dict[int, Any] = {}
         nodal = fields.DOMAIN_NODAL.get(name)
         for k, (group, domain) in enumerate(zip(run.groups, self.mesh.domains)):
