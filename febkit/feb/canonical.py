@@ -10,7 +10,7 @@ from febkit.model import Component, MeshData, Model, Step
 
 from . import dofs
 from .edit import is_true, same_text
-from .v30 import DEFAULT_TYPES
+from .v30 import DEFAULT_TYPES, QN_DEFAULT
 
 BODIES = ("rb", "body_a", "body_b", "rbA", "rbB")
 QUIET = (("relative", "0"), ("relative", "false"), ("load_type", "0"), ("load_type", "LOAD"))
@@ -30,8 +30,8 @@ def canonical(model: Model) -> Model:
     return replace(
         model, domains=domains, mesh_data=maps, controllers=controllers,
         materials=tuple(replace(m, id=None) for m in model.materials),
-        common=_stage(model.common, materials),
-        steps=tuple(replace(_stage(s, materials), name=None) for s in model.steps),
+        common=_stage(model.common, materials, model.module),
+        steps=tuple(replace(_stage(s, materials, model.module), name=None) for s in model.steps),
         discrete=tuple(replace(d, id=None) for d in model.discrete))
 
 
@@ -92,10 +92,10 @@ def _curve(spec: Component) -> Component:
     return replace(spec, id=None, name=None, children=said + others)
 
 
-def _stage(s: Step, materials: dict[str, str]) -> Step:
+def _stage(s: Step, materials: dict[str, str], module: str) -> Step:
     return replace(
         s,
-        control=_control(s.control) if s.control is not None else None,
+        control=_control(s.control, module) if s.control is not None else None,
         boundary=_nameless(x for c in s.boundary for x in _fixed(_bodies(c, materials))),
         loads=_nameless(x for c in s.loads for x in _load(c)),
         contact=_nameless(s.contact),
@@ -175,14 +175,17 @@ def _rigid_key(c: Component) -> tuple[str, ...]:
     return c.tag, c.type or "", c.str("rb"), c.str("dof"), c.str("value")
 
 
-def _control(c: Component) -> Component:
-    """Full Newton is BFGS without updates; an empty solver or a default stepper says nothing."""
+def _control(c: Component, module: str) -> Component:
+    """Full Newton is BFGS without updates; the module's own quasi-Newton method is said."""
     out = []
+    default = Component("qn_method", QN_DEFAULT.get(module, "Broyden"))
+    if c.child("solver") is None:
+        out.append(Component("solver", children=(default,)))
     for x in c.children:
         if x.tag == "solver":
             kept = tuple(_qn(y) if y.tag == "qn_method" else y for y in x.children)
-            if kept:
-                out.append(replace(x, type=None, children=kept))
+            said = () if x.child("qn_method") is not None else (default,)
+            out.append(replace(x, type=None, children=kept + said))
         elif x.tag == "time_stepper" and x.type == "default":
             out.append(replace(x, type=None))
         elif x.tag in ("analysis", "plot_level", "output_level"):
