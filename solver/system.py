@@ -138,6 +138,8 @@ class System:
         drive = [b for b in self.body_loads if hasattr(b, "force")]
         for g in self.groups:
             g.update(s, x, drive)
+            if self.alphaf == 0.5 and s.dt > 0:
+                g.conserve(s.X + s.d[:, :3], s.X + s.d_old[:, :3], s.dt)
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
