@@ -141,24 +141,21 @@ def spread_table(
 
 
 def rank_table(
-    results: Sequence[tuple[str, xr.Dataset]],
-    title: str = "Spearman rank correlation with the control",
-    note: str = "first / second, in brackets the p-value of Fisher's z between the two",
+    results: Sequence[tuple[str, xr.Dataset]], title: str = "Spearman rank correlation with the control"
 ) -> Table:
-    """The study's table 3: (label, :func:`compare_orders` result) -> "first / second (p of Fisher's z)"."""
+    """The study's table 3: (label, dataset) of :func:`compare_orders`, or of :func:`rank_correlation`."""
     names = [str(m) for m in results[0][1]["metric"].values]
+    two = "rho_first" in results[0][1]
     rows = []
     for label, ds in results:
         for moment in ds["moment"].values:
             r = ds.sel(moment=moment)
+            rho = [r["rho_first"], r["rho_second"]] if two else [r["rho"]]
             cells = [
-                f"{float(r['rho_first'][i]):.2f} / {float(r['rho_second'][i]):.2f} ({float(r['p'][i]):.2g})"
+                f"{' / '.join(f'{float(v[i]):.2f}' for v in rho)} ({float(r['p'][i]):.2g})"
                 for i in range(len(names))
             ]
             rows.append([label, str(moment), *cells])
-    return Table(
-        title,
-        ["", "moment", *(HEADINGS.get(m, (m,))[0] for m in names)],
-        rows,
-        note,
-    )
+    first = "first / second, in brackets the p-value of Fisher's z between the two"
+    note = first if two else "in brackets the p-value of the correlation"
+    return Table(title, ["", "moment", *(HEADINGS.get(m, (m,))[0] for m in names)], rows, note)

@@ -1,0 +1,100 @@
+"""Metrics of models that were solved, against what the solution must obey."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import febkit
+from febkit import templates
+from febkit.metrics import cell_metrics, element_fields
+from febkit.results import open as open_results
+
+STUDY = Path(__file__).parents[2].parent / "shared" / "oracle" / "study"
+TIMES = [0.0, *np.round(np.arange(1, 13) * 0.05, 10).tolist()]
+
+
+def solved(folder: Path, vertical: int):
+    """A column in confined compression that drains at the top, every step plotted: model and plotfile."""
+    model = templates.new("tissue", case="B", n=1, vertical=vertical, centre=0.0, edge=0.1, depth=0.002, times=TIMES,
+                          first_step=0.05, updates=0, dtol=1e-8, etol=1e-16, ptol=1e-8)
+    febkit.write(model, folder / "column.feb")
+    model = febkit.read(folder / "column.feb")
+    result = febkit.solve(model, folder / "column.xplt")
+    assert result.converged and result.totals.steps == len(TIMES) - 1, result.reason
+    return model, folder / "column.xplt"
+
+
+@pytest.fixture(scope="module")
+def column(tmp_path_factory):
+    return solved(tmp_path_factory.mktemp("column"), 40)
+
+
+def test_fluid_leaves_a_slab_as_fast_as_it_shrinks(column, tmp_path):
+    """Divergence theorem: mass exchange = -rho dV/dt of a part of the column, to 1 % of its peak, order 2."""
+    error = []
+    for (model, path), n in ((column, 40), (solved(tmp_path, 80), 80)):
+        with open_results(path) as ds:
+            bare = ds.drop_vars([v for v in ("nodal_fluid_flux", "fluid_flux") if v in ds])
+            slab = {"slab": np.arange(n // 2, n - n // 10)}
+            m = cell_metrics(bare, model, slab).isel(cell=0, time=slice(1, None))
+            plotted = cell_metrics(ds, model, slab).isel(cell=0, time=slice(1, None))
+        rate, balance = m.mass_exchange_rate.values, m.volume_loss_rate.values
+        assert (rate > 0).any() and (rate < 0).any()
+        error.append(np.abs(rate - balance).max() / np.abs(balance).max())
+        # the plotfile's nodal fluxes and those recovered from pressure are the same
+        np.testing.assert_allclose(plotted.mass_exchange_rate, rate, atol=1e-3 * np.abs(rate).max())
+    assert max(error) < 0.01
+    assert error[0] / error[1] > 3.5
+
+
+def test_recomputed_fields_are_those_of_the_plotfile(column):
+    """Element means of flux and volume recomputed from displacement and pressure."""
+    model, path = column
+    with open_results(path) as ds:
+        f = element_fields(ds.drop_vars("fluid_flux"), "*", model)
+        scale = float(np.abs(ds["fluid_flux"]).max())
+        assert np.allclose(f["fluid_flux"], ds["fluid_flux"], atol=2e-4 * scale)
+        total = f["volume"].sum("element").values
+        assert total[-1] == pytest.approx(0.1 * 0.1 * (0.1 - 0.002), rel=1e-6)
+
+
+@pytest.mark.skipif(not STUDY.is_dir(), reason="FEBio's own answers are not there")
+def test_flux_and_stress_agree_with_febio():
+    """FEBio 4.11's last state of the driven cell model: element mean flux and effective stress."""
+    import xarray as xr
+
+    model = febkit.read(STUDY / "models" / "cell_driven.feb")
+    ref = np.load(STUDY / "reference" / "cell_driven.npz")
+    ds = _as_result(model, ref["u"][-1:], ref["p"][-1:], ref["times"][-1:])
+    f = element_fields(ds, "*", model)
+    at = np.searchsorted(f["element_id"].values, ref["flux_elem"])
+    scale = np.abs(ref["flux"]).max()
+    assert np.abs(f["fluid_flux"].values[0, at] - ref["flux"]).max() < 2e-3 * scale
+    from febkit.metrics.tensors import effective
+
+    # the plotfile holds element means: the effective value of the mean is at most the mean of the values
+    own = f["effective_stress"].values[0, np.searchsorted(f["element_id"].values, ref["stress_elem"])]
+    of_mean = effective(ref["stress"].T.astype(float))
+    assert (of_mean <= own * (1 + 1e-3)).all()
+    assert np.median(of_mean / own) > 0.97
+    m = cell_metrics(ds, model)
+    assert isinstance(m, xr.Dataset) and m.sizes["cell"] == 11
+
+
+def _as_result(model, u, p, times):
+    import xarray as xr
+
+    blocks = model.mesh.blocks
+    part = np.repeat(np.arange(len(blocks)), [len(b.ids) for b in blocks])
+    coords = {
+        "time": np.asarray(times, float), "xyz": ["x", "y", "z"], "X": (("node", "xyz"), model.mesh.X),
+        "node_id": ("node", model.mesh.node_ids), "part": ("element", part),
+        "element_id": ("element", np.concatenate([b.ids for b in blocks])),
+        "element_type": ("element", np.zeros(len(part), int)),
+        "connectivity": (("element", "local"), np.concatenate([b.conn for b in blocks])),
+    }
+    data = {"displacement": (("time", "node", "xyz"), u), "effective_fluid_pressure": (("time", "node"), p)}
+    return xr.Dataset(data, coords, {"parts": [b.name for b in blocks], "element_types": ["hex8"]})
