@@ -6,9 +6,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
-__all__ = ["copy", "open", "open_all", "write"]
+    from .log import Log
+
+__all__ = ["copy", "open", "open_all", "read_data", "read_log", "write"]
 
 Path = str | os.PathLike[str]
 
@@ -60,3 +63,17 @@ def copy(source: Path, target: Path, **options: Any) -> None:
     from .rewrite import copy as whole
 
     whole(source, target, **options)
+
+
+def read_log(path: Path) -> Log:
+    """The log of a run: steps and iterations as tables, messages, data records, summary."""
+    from .log import read_log as read
+
+    return read(path)
+
+
+def read_data(path: Path) -> pd.DataFrame:
+    """A file of ``<logfile>`` data as a table: step, time, item and one column per quantity."""
+    from .records import read_data as read
+
+    return read(path)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -116,7 +117,7 @@ def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
     """The dataset of one mesh of a plotfile and the states that live on it."""
     states = np.array([i for i, s in enumerate(f.states) if max(s.mesh, 0) == mesh], dtype=int)
     outline = f.outline(mesh)
-    places = Places(outline, lambda: f.mesh(mesh))
+    places = Places(outline, partial(f.mesh, mesh))
     coords, attrs = _coords(f, mesh, states)
     coords |= _sets(outline)
     data: dict[Hashable, xr.Variable] = {}
@@ -220,12 +221,12 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
     coords: dict[Hashable, Any] = {
         "time": xr.Variable(("time",), short_times(f.times[states])),
         "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
-        "node_id": later(("node",), (n,), "i4", lambda: f.mesh(mesh).node_ids),
-        "X": later(("node", "xyz"), (n, 3), "f4", lambda: f.mesh(mesh).X),
-        "element_id": later(("element",), (e,), "i4", lambda: f.mesh(mesh).element_ids()),
-        "part": later(("element",), (e,), "i4", lambda: np.repeat(np.arange(len(names)), sizes)),
-        "element_type": later(("element",), (e,), "i4", lambda: np.repeat(kinds, sizes)),
-        "connectivity": later(("element", "local"), (e, width), "i4", lambda: f.mesh(mesh).connectivity()),
+        "node_id": later(("node",), (n,), "i4", partial(_node_ids, f, mesh)),
+        "X": later(("node", "xyz"), (n, 3), "f4", partial(_reference, f, mesh)),
+        "element_id": later(("element",), (e,), "i4", partial(_element_ids, f, mesh)),
+        "part": later(("element",), (e,), "i4", partial(np.repeat, np.arange(len(names)), sizes)),
+        "element_type": later(("element",), (e,), "i4", partial(np.repeat, kinds, sizes)),
+        "connectivity": later(("element", "local"), (e, width), "i4", partial(_connectivity, f, mesh)),
     }
     coords["X"].attrs["long_name"] = "reference coordinates"
     if f.header.units:
@@ -241,6 +242,23 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
         if value:
             attrs[key] = value
     return coords, attrs
+
+
+# functions by name, so that lazy arrays travel to dask's workers
+def _node_ids(f: PlotFile, mesh: int) -> np.ndarray:
+    return f.mesh(mesh).node_ids
+
+
+def _reference(f: PlotFile, mesh: int) -> np.ndarray:
+    return f.mesh(mesh).X
+
+
+def _element_ids(f: PlotFile, mesh: int) -> np.ndarray:
+    return f.mesh(mesh).element_ids()
+
+
+def _connectivity(f: PlotFile, mesh: int) -> np.ndarray:
+    return f.mesh(mesh).connectivity()
 
 
 def _sets(m: MeshOutline) -> dict[Hashable, Any]:

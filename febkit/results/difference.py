@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -155,8 +156,8 @@ class _Match:
 
     def __init__(self, fa: PlotFile, fb: PlotFile, ma: int, mb: int, notes: list[str]) -> None:
         self.fa, self.fb = fa, fb
-        self.pa = Places(fa.outline(ma), lambda: fa.mesh(ma))
-        self.pb = Places(fb.outline(mb), lambda: fb.mesh(mb))
+        self.pa = Places(fa.outline(ma), partial(fa.mesh, ma))
+        self.pb = Places(fb.outline(mb), partial(fb.mesh, mb))
         a, b = fa.mesh(ma), fb.mesh(mb)
         self.node_ids = np.asarray(a.node_ids)
         self.element_ids = a.element_ids()

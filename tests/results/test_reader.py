@@ -261,3 +261,18 @@ def test_open_dataset_finds_the_backend(tmp_path: Path, make_modern) -> None:
             f"ds = xr.open_dataset({str(path)!r}, chunks={{}}); print(ds.sizes['time'], 'numba' in sys.modules)")
     done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["3", "False"]
+
+
+@pytest.mark.parametrize("chunks", [None, {"time": 1}])
+def test_lazy_datasets_travel(tmp_path: Path, make_modern, chunks) -> None:
+    """A dataset that is not loaded can be pickled, as dask's workers need it."""
+    import pickle
+
+    path = tmp_path / "a.xplt"
+    path.write_bytes(make_modern())
+    ds = results.open(path, chunks=chunks)
+    sent = pickle.dumps(ds)
+    check(pickle.loads(sent), 0x35)
+    if chunks:
+        whole = results.open(path)["stress"].mean().item()
+        assert ds["stress"].mean().compute(scheduler="threads").item() == pytest.approx(whole)

@@ -19,6 +19,7 @@ from . import tags
 
 _PIECE = 1 << 20  # bytes inflated at a time while the end of a compressed block is looked for
 _HEAD = 128  # bytes of an inflated block that are kept
+_IN_STATE = (tags.STATE_HEADER, tags.STATE_DATA, tags.MESH_STATE, tags.OBJECTS_STATE)
 _TOP = (tags.ROOT, tags.MESH, tags.STATE)
 
 
@@ -112,7 +113,7 @@ class Container:
         packed = ""
         if tag == tags.STATE and n >= 4:
             first = self._word.unpack_from(self.data, at + 8)[0]
-            packed = "body" if first >> 24 not in (1, 2) and self._zlib_at(at + 8) else ""
+            packed = "body" if first not in _IN_STATE and self._zlib_at(at + 8) else ""
         if not packed:
             return Block(tag, at, at + 8 + n, n)
         size, _, head = self._inflated_size(at + 8, at + 8 + n)
