@@ -1,0 +1,90 @@
+"""The house keeps its shape: packages are listed, walls stand, names mean something."""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SOURCES = {"febkit": ROOT / "febkit", "febkit.solver": ROOT / "solver", "febkit.templates": ROOT / "templates"}
+
+
+def _files(package: str) -> list[Path]:
+    """Python files of a package folder; febkit's own links to solver and templates are not followed."""
+    found = SOURCES[package].rglob("*.py")
+    if package == "febkit":
+        return [p for p in found if not any((ROOT / "febkit" / q) in p.parents for q in ("solver", "templates"))]
+    return list(found)
+
+
+def _imported(path: Path, package: str) -> set[str]:
+    """Absolute names of the modules a file imports, those inside functions and under TYPE_CHECKING too."""
+    inside = path.relative_to(SOURCES[package]).parent.parts
+    here = [*package.split("."), *inside]
+    out = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            out |= {a.name for a in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = here[: len(here) - node.level + 1] if node.level else []
+            stem = ".".join([*base, *(node.module.split(".") if node.module else [])])
+            out |= {stem, *(f"{stem}.{a.name}" for a in node.names)}
+    return out
+
+
+def _below(name: str, package: str) -> bool:
+    return name == package or name.startswith(package + ".")
+
+
+def test_every_package_folder_is_listed() -> None:
+    """A forgotten subpackage works in an editable install and is missing from the wheel."""
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    found = set()
+    for package, folder in SOURCES.items():
+        for p in _files(package):
+            if p.name == "__init__.py":
+                found.add(".".join([package, *p.relative_to(folder).parent.parts]))
+    assert sorted(listed) == sorted(found)
+    assert len(listed) == len(set(listed))
+
+
+@pytest.mark.parametrize("path", _files("febkit.solver"), ids=lambda p: str(p.relative_to(ROOT)))
+def test_the_solver_knows_nothing_of_the_rest(path: Path) -> None:
+    outside = {n for n in _imported(path, "febkit.solver") if _below(n, "febkit") and n != "febkit"}
+    assert {n for n in outside if not _below(n, "febkit.solver")} == set()
+
+
+@pytest.mark.parametrize("package", ["febkit.solver", "febkit.templates"])
+def test_what_ships_under_another_name_imports_itself_relatively(package: str) -> None:
+    for path in _files(package):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.level == 0:
+                assert not _below(node.module or "", package), f"{path}:{node.lineno}"
+
+
+WALLS = [
+    ("febkit/model", ("febkit.feb", "febkit.results", "febkit.solver", "febkit.lower", "febkit.cli", "febkit.output")),
+    ("febkit/feb", ("febkit.results", "febkit.output", "febkit.cli", "febkit.coupling", "febkit.metrics")),
+    ("febkit/results", ("febkit.solver", "febkit.lower", "febkit.cli", "febkit.output")),
+    ("febkit/lower", ("febkit.results", "febkit.output", "febkit.cli", "febkit.feb")),
+]
+
+
+@pytest.mark.parametrize(("folder", "forbidden"), WALLS, ids=[w[0] for w in WALLS])
+def test_imports_go_one_way(folder: str, forbidden: tuple[str, ...]) -> None:
+    """Formats know the model, the model knows nothing, results know nothing of the solver."""
+    for path in (ROOT / folder).rglob("*.py"):
+        bad = {n for n in _imported(path, "febkit") for f in forbidden if _below(n, f)}
+        assert bad == set(), path
+
+
+def test_no_folder_or_file_is_called_utils() -> None:
+    assert [p for f in SOURCES for p in _files(f) if "util" in str(p.relative_to(ROOT)).lower()] == []
+
+
+def test_links_for_static_readers() -> None:
+    for name in ("solver", "templates"):
+        assert (ROOT / "febkit" / name).resolve() == ROOT / name

@@ -1,0 +1,73 @@
+"""What starting costs: numba and other heavy packages are imported when something is solved, not before."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter
+
+import pytest
+
+HEAVY = ("numba", "llvmlite", "scipy.sparse", "matplotlib", "dask", "meshio")
+MODEL = Path(__file__).parents[2] / "examples" / "confined_compression.feb"
+
+PROGRAM = """
+import sys
+from febkit.cli.main import cli
+try:
+    cli.main({args!r}, standalone_mode=True)
+except SystemExit as e:
+    assert e.code in (0, None), e.code
+print("HEAVY:", *[m for m in {heavy!r} if m in sys.modules])
+"""
+
+
+def _loaded(args: list[str], heavy: tuple[str, ...]) -> set[str]:
+    program = PROGRAM.format(args=args, heavy=heavy)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.rsplit("HEAVY:", 1)[1].split())
+
+
+@pytest.mark.parametrize("args", [["--help"], ["run", "--help"], ["--version"]], ids=" ".join)
+def test_help_imports_nothing_heavy(args: list[str]) -> None:
+    assert _loaded(args, (*HEAVY, "numpy", "xarray", "lxml")) == set()
+
+
+@pytest.mark.parametrize("verb", ["validate", "info"])
+def test_looking_at_a_model_does_not_import_numba(verb: str) -> None:
+    assert _loaded([verb, str(MODEL)], ("numba", "llvmlite", "matplotlib", "dask")) == set()
+
+
+def test_converting_does_not_import_numba(tmp_path: Path) -> None:
+    out = tmp_path / "m.feb"
+    assert _loaded(["convert", str(MODEL), str(out)], ("numba", "llvmlite", "matplotlib", "dask")) == set()
+    assert out.stat().st_size > 0
+
+
+def test_a_new_model_does_not_import_numba(tmp_path: Path) -> None:
+    out = tmp_path / "t.feb"
+    args = ["new", "tissue", "--set", "n=2", "-o", str(out)]
+    assert _loaded(args, ("numba", "llvmlite", "matplotlib", "dask")) == set()
+
+
+def test_reading_does_not_import_numba() -> None:
+    program = f"import sys, febkit; febkit.read({str(MODEL)!r}); print('numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
+def test_help_is_quick() -> None:
+    """Best of three, in units of what a bare interpreter takes, so that a busy machine does not matter."""
+
+    def seconds(*args: str) -> float:
+        best = 1e9
+        for _ in range(3):
+            t = perf_counter()
+            subprocess.run([sys.executable, *args], capture_output=True, check=True)
+            best = min(best, perf_counter() - t)
+        return best
+
+    bare = seconds("-c", "import click")
+    assert seconds("-m", "febkit.cli.main", "--help") < max(0.3, 3.0 * bare)
