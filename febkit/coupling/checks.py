@@ -48,7 +48,8 @@ def check(given: Handoff, driving: xr.Dataset | None = None, point: int = 0) -> 
         lines.append(f"det dx/dX over the surface: {det_map[0]:.4g} to {det_map[1]:.4g}")
         if at is not None:
             problems.append(f"the mapped volume turns inside out at t = {at:g}: take a lower order, a "
-                            "smaller cell model, or another point")
+                            "smaller cell model, a finer tissue, or (at a surface whose layer the tissue "
+                            "does not resolve) the element's own derivatives")
     ratio = _size_ratio(given, driving, point)
     if ratio is not None:
         lines.append(f"cell model / tissue element: {ratio:.3g}")

@@ -161,6 +161,13 @@ def _from_rest(times: Floats, u: Floats, p: Floats | None) -> tuple[Floats, Floa
     return np.concatenate([[0.0], times]), np.concatenate([rest, u]), still
 
 
+def _facet_keys(corners: Ints, nodes: int) -> Ints:
+    """A number per facet, the same for the same corners (sorted): three corners tell facets apart."""
+    if nodes > 2_000_000:
+        return np.asarray(np.unique(corners, axis=0, return_inverse=True)[1]).ravel()
+    return np.asarray((corners[:, 0] * nodes + corners[:, 1]) * nodes + corners[:, 2])
+
+
 def surface_nodes(mesh: Any) -> Ints:
     """0-based nodes of a mesh's outer surface: of all facets that belong to one element only."""
     from febkit.solver import elements
@@ -177,6 +184,7 @@ def surface_nodes(mesh: Any) -> Ints:
     for kind, parts in found.items():
         facets = np.concatenate(parts)
         corners = np.sort(facets[:, :elements.get(kind).corners], axis=1)
-        _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
+        key = _facet_keys(corners, len(mesh.X))
+        _, first, count = np.unique(key, return_index=True, return_counts=True)
         out.append(facets[first[count == 1]].ravel())
     return np.asarray(np.unique(np.concatenate(out)))

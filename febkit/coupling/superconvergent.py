@@ -23,9 +23,10 @@ Ints = NDArray[np.int64]
 def by_patches(field: Field, where: Location, order: int, *, own_part: bool = True) -> tuple[Sparse, Ints]:
     """Rows of derivatives up to ``order``, and the number of terms lost at each point.
 
-    The value is the element's own, less the error of interpolation. A first derivative is interpolated from recovered nodal gradients, a
-    second from the recovered gradients of these, and so on; mixed ones are the mean over their orders.
-    With ``own_part`` only elements of the point's part are looked at, where it has enough of them.
+    The value is the element's own, less the error of interpolation. A first derivative is interpolated from
+    recovered nodal gradients, a second from the recovered gradients of these, and so on; mixed ones are the
+    mean over their orders. With ``own_part`` only elements of the point's part are looked at, where it has
+    enough of them.
     """
     from scipy.sparse import vstack
 
@@ -72,7 +73,7 @@ def _in_part(field: Field, top: Topology, where: Location, order: int, part: int
 
 
 def _corrected(field: Field, where: Location, found: dict[tuple[int, ...], Sparse], order: int) -> Sparse:
-    """The value that goes with the recovered derivatives: f = sum_a N_a (f_a - second and higher terms at node a).
+    """The value that goes with the recovered derivatives: f = sum_a N_a (f_a - terms of order 2 and up at a).
 
     Interpolation alone is off by these terms, and a series of order 2 would start from a value of order 1.
     """

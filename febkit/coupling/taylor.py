@@ -73,7 +73,7 @@ RECOVERIES = {
 }
 
 
-def series(tissue: Field | xr.Dataset, points: Any, *, order: int = MAX_ORDER,
+def series(tissue: Field | xr.Dataset, points: Any, *, order: int = 2,
            recovery: str | None = None, times: Any = None, names: Any = None,
            own_part: bool = True, beyond: bool = False) -> xr.Dataset:
     """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.

@@ -64,7 +64,8 @@ def run(folder, *args):
 
 
 def test_a_tissue_drives_a_cell_model(folder):
-    said = run(folder, "tissue.nc", "cell.feb", "--at", "0.1,0,-0.2", "--order", "2", "--fluid-order", "1", "-o", "d.feb")
+    said = run(folder, "tissue.nc", "cell.feb", "--at", "0.1,0,-0.2", "--order", "2", "--fluid-order", "1",
+               "-o", "d.feb")
     assert "detF at the point" in said and "det dx/dX over the surface" in said
     assert "cell model / tissue element: 0.6" in said and "order left out" in said
     assert "must points at 12 times" in said
