@@ -143,7 +143,7 @@ class Solid:
         raise NotImplementedError
 
     def energy(self, pts: Points) -> Floats:
-        """Strain energy per reference volume (n,)."""
+        """Strain energy per reference volume (n,); writes no history."""
         raise NotImplementedError(f"{type(self).__name__} gives no strain energy")
 
 
@@ -156,6 +156,11 @@ def deformed(pts: Points, F: Floats) -> Points:
     """The same points under another deformation gradient ``F`` (n, 3, 3)."""
     F = np.ascontiguousarray(F)
     return replace(pts, F=F, J=np.linalg.det(F))
+
+
+def unwritten(pts: Points) -> Points:
+    """The points without ``new``: what asks for an energy must not move the state."""
+    return pts if pts.new is None else replace(pts, new=None)
 
 
 def evaluate(solid: Solid, pts: Points, tangent: bool = True) -> tuple[Floats, Floats | None]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..kernels.push import add_scaled
 from ..points import Points
-from .base import Floats, Property, Solid, wanted
+from .base import Floats, Property, Solid, unwritten, wanted
 from .registry import register
 from .uncoupled import Uncoupled, distortional, distortional_energy
 
@@ -71,7 +71,7 @@ class ElasticDamage(_Damage, Solid):
         self._weaken(pts, s, c, self.elastic.stress)  # type: ignore[union-attr]
 
     def energy(self, pts: Points) -> Floats:
-        within = self.inner(pts)
+        within = self.inner(unwritten(pts))
         return (1.0 - self._damage(within)) * self.elastic.energy(within)  # type: ignore[union-attr]
 
 
@@ -83,7 +83,7 @@ class UncoupledElasticDamage(_Damage, Uncoupled):
         self._weaken(pts, s, c, distortional(self.elastic))  # type: ignore[arg-type]
 
     def dev_energy(self, pts: Points) -> Floats:
-        within = self.inner(pts)
+        within = self.inner(unwritten(pts))
         return (1.0 - self._damage(within)) * distortional_energy(self.elastic, within)  # type: ignore[arg-type, operator]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
-from .base import Floats, Property, Solid, wanted
+from .base import Floats, Property, Solid, unwritten, wanted
 from .uncoupled import Uncoupled
 
 _BATCH = 1 << 17  # stretches held at a time
@@ -124,7 +124,7 @@ class Fiber(FiberLaw, Solid):
         self.add(pts, directions(self.fiber, self.inner(pts))[:, None], _ONE, s, c)
 
     def energy(self, pts: Points) -> Floats:
-        return self.sum_energy(pts, directions(self.fiber, self.inner(pts))[:, None], _ONE)
+        return self.sum_energy(unwritten(pts), directions(self.fiber, self.inner(pts))[:, None], _ONE)
 
 
 @dataclass(eq=False)
@@ -139,4 +139,4 @@ class UncoupledFiber(FiberLaw, Uncoupled):
         self.add(pts, directions(self.fiber, self.inner(pts))[:, None], _ONE, s, c)
 
     def dev_energy(self, pts: Points) -> Floats:
-        return self.sum_energy(pts, directions(self.fiber, self.inner(pts))[:, None], _ONE)
+        return self.sum_energy(unwritten(pts), directions(self.fiber, self.inner(pts))[:, None], _ONE)

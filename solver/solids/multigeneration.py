@@ -8,7 +8,7 @@ import numpy as np
 
 from ..points import Points
 from ..values import as_value
-from .base import Floats, Number, Property, Solid, deformed
+from .base import Floats, Number, Property, Solid, deformed, unwritten
 from .registry import register
 
 
@@ -87,7 +87,7 @@ class Multigeneration(Solid):
             material.stress(state, s, c)
 
     def energy(self, pts: Points) -> Floats:
-        parts = (m.energy(state) / J for m, state, J in self._states(self.inner(pts)))
+        parts = (m.energy(state) / J for m, state, J in self._states(self.inner(unwritten(pts))))
         return sum(parts, start=0.0 * pts.J)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Number, Property, Solid
+from .base import Floats, Number, Property, Solid, unwritten
 from .batches import states
 from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
@@ -172,10 +172,11 @@ class ReactivePlasticDamage(Solid):
             c += ci if exact else secant_tangent(lambda p: self._sum(p, False)[0], within)
 
     def broken(self, pts: Points) -> Floats | float:
-        return 0.0 if pts.new is None else pts.new[:, self.offset + 1]
+        state = pts.old if pts.new is None else pts.new
+        return 0.0 if state is None else state[:, self.offset + 1]
 
     def energy(self, pts: Points) -> Floats:
-        within = self.inner(pts)
+        within = self.inner(unwritten(pts))
         base: Any = self.elastic
         return mixed_energy(base, within, *self._flow(within), bool(self.isochoric))
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Number, Property, Solid
+from .base import Floats, Number, Property, Solid, unwritten
 from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
 from .secant import secant_tangent
@@ -167,7 +167,7 @@ class ReactivePlasticity(Solid):
             c += ci if exact else secant_tangent(self._cauchy, within)
 
     def energy(self, pts: Points) -> Floats:
-        within = self.inner(pts)
+        within = self.inner(unwritten(pts))
         Us, w = self._flow(within)
         base: Any = self.elastic
         return mixed_energy(base, within, Us, w, 1.0 - w.sum(1), bool(self.isochoric))

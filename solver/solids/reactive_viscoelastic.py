@@ -10,7 +10,7 @@ import numpy as np
 
 from ..points import Points
 from .batches import states
-from .base import Floats, Number, Property, Solid
+from .base import Floats, Number, Property, Solid, unwritten
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
 from .registry import register
@@ -211,7 +211,7 @@ class _Bonds:
                 c += np.asarray(intact).reshape(-1, 1, 1) * stiff
 
     def _sum_energy(self, pts: Points, energy: Callable[[Solid, Points], Floats], law: Law) -> Floats:
-        within = self.inner(pts)  # type: ignore[attr-defined]
+        within = self.inner(unwritten(pts))  # type: ignore[attr-defined]
         gen, count, rate = self._advance(within, law)
         intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
         out = energy(self.elastic, within)  # type: ignore[arg-type]

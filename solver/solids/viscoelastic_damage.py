@@ -9,7 +9,7 @@ import numpy as np
 
 from ..kernels.push import add_scaled
 from ..points import Points
-from .base import Floats, Property, Solid, wanted
+from .base import Floats, Property, Solid, unwritten, wanted
 from .elastic_damage import ElasticDamage, UncoupledElasticDamage
 from .reactive_viscoelastic import ReactiveViscoelastic
 from .registry import register
@@ -88,7 +88,7 @@ class ReactiveViscoelasticDamage(Solid):
         add_scaled(1.0 - self._damage(within), s0, wanted(c0), s, wanted(c))
 
     def energy(self, pts: Points) -> Floats:
-        within = self.inner(pts)
+        within = self.inner(unwritten(pts))
         return (1.0 - self._damage(within)) * self.viscoelastic.energy(within)  # type: ignore[union-attr]
 
 

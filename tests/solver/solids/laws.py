@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from febkit.solver.points import Points
 from febkit.solver.solids.base import Solid
 
