@@ -14,7 +14,10 @@ from hypothesis import strategies as st
 from febkit import results
 from febkit.results.xplt.reader import PlotFile
 
-QUICK = settings(max_examples=int(os.environ.get("FEBKIT_EXAMPLES", "6")), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+QUICK = settings(
+    max_examples=int(os.environ.get("FEBKIT_EXAMPLES", "6")), deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 
 
 @given(seed=st.integers(0, 2**32 - 1), compress=st.booleans(), states=st.integers(0, 4),
