@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 from febkit.model import InputError
 
-from . import v12, v20, v25, v25_down, v30
+from . import v12, v12_down, v20, v20_down, v25, v25_down, v30, v30_down
 from .document import Tag
 
 VERSIONS = ("1.2", "2.0", "2.5", "3.0", "4.0")
 READ = ("1.0", "1.1", *VERSIONS)
 _UP: dict[str, Callable[[Tag], None]] = {"1.2": v12.up, "2.0": v20.up, "2.5": v25.up, "3.0": v30.up}
 _DOWN: dict[str, Callable[[Tag, list[str]], None]] = {
-    "3.0": v25_down.down, "2.5": v20.down, "2.0": v12.down}
+    "3.0": v25_down.down, "2.5": v20_down.down, "2.0": v12_down.down}
 
 
 def up(root: Tag) -> None:
@@ -35,7 +35,7 @@ def down(root: Tag, version: str) -> list[str]:
     notes: list[str] = []
     while root.attrs["version"] != version:
         if root.attrs["version"] == "4.0":
-            v30.down(root, notes, edges=version != "3.0")
+            v30_down.down(root, notes, edges=version != "3.0")
         else:
             _DOWN[root.attrs["version"]](root, notes)
     return list(dict.fromkeys(notes))
