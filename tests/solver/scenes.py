@@ -117,7 +117,7 @@ def column(
     conditions += [Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Fixed(P, np.flatnonzero(X[:, 2] > h - 1e-9))]
     if top is not None:
         conditions.append(Prescribed(UZ, np.flatnonzero(X[:, 2] > h - 1e-9), ramp(top, 1.0)))
-    step = Step(analysis=TRANSIENT, newton=tight(), conditions=conditions)
+    step = Step(analysis=TRANSIENT, newton=tight(dtol=1e-7, ptol=1e-7, min_residual=1e-30), conditions=conditions)
     return Problem(X, [block("hex8", conn, solid, Mixture(ConstIso(k)))], [step])
 
 
