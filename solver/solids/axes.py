@@ -124,7 +124,7 @@ class CylindricalAxes:
 
 @dataclass(frozen=True, eq=False)
 class PolarAxes:
-    """``mat_axis type="polar"``: from ``vector1`` at ``radius1`` to ``vector2`` at ``radius2``, turned with the radius."""
+    """``mat_axis type="polar"``: ``vector1`` at ``radius1`` to ``vector2`` at ``radius2``, turned with the radius."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
     axis: ArrayLike = (0.0, 0.0, 1.0)

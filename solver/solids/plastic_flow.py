@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -95,12 +96,12 @@ class Trial:
 
 def beyond_yield(
     base: Solid, criterion: object, pts: Points, Us: Floats, Ky: Floats, rtol: float
-) -> tuple[Floats, Floats, Points]:
-    """Yield measures (n, f) of families with inverse plastic parts ``Us`` (n, f, 3, 3), where they are beyond yield,
-    and the n f points they were taken at."""
+) -> tuple[Floats, Any]:
+    """Yield measures (n, f) of families with inverse plastic parts ``Us`` (n, f, 3, 3), where they are beyond
+    yield (n, f; bool)."""
     at = states(pts, pts.F[:, None] @ Us)
     K = criterion.of(base, at).reshape(Ky.shape)  # type: ignore[attr-defined]
-    return K, K - Ky > rtol * Ky, at
+    return K, K - Ky > rtol * Ky
 
 
 def families_at(pts: Points, rows: Floats, f: int) -> Points:

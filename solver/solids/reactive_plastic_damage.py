@@ -126,7 +126,7 @@ class ReactivePlasticDamage(Solid):
         n, f = Ky.shape
         rtol = float(self.par(pts)[0, 0])
         Us, Ku = state[:, :, :9].reshape(n, f, 3, 3), state[:, :, _K].copy()
-        Kv, beyond, _ = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
+        Kv, beyond = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
         fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
         starts = fresh & (state[:, :, _T] == 0)
         never = beyond & ~fresh & (state[:, :, _B] == 0)
@@ -150,7 +150,7 @@ class ReactivePlasticDamage(Solid):
         state[:, :, _DI] = np.where(yielding, state[:, :, _DI], di)
         E = state[:, :, _E]
         if self.plastic_damage_criterion is not None and yielding.any():
-            Fp = np.linalg.inv(state[:, :, :9].reshape(n, f, 3, 3))
+            Fp: Any = np.linalg.inv(state[:, :, :9].reshape(n, f, 3, 3))
             E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, states(pts, Fp)).reshape(n, f))
         dy = np.where(yielding, self._cdf(self.plastic_damage, pts, E), 0.0)
         state[:, :, _DY] = np.where(yielding, dy, state[:, :, _DY])
@@ -169,7 +169,7 @@ class ReactivePlasticDamage(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact else secant_tangent(lambda p: self._sum(p, False)[0], within)
+            c += ci if ci is not None else secant_tangent(lambda p: self._sum(p, False)[0], within)
 
     def broken(self, pts: Points) -> Floats | float:
         state = pts.old if pts.new is None else pts.new

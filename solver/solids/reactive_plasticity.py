@@ -132,7 +132,7 @@ class ReactivePlasticity(Solid):
         Ky = np.broadcast_to(Ky, (n, f))
         Us = state[:, :, :9].reshape(n, f, 3, 3)
         Ku = state[:, :, _K].copy()
-        Kv, beyond, _ = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
+        Kv, beyond = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
         fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
         w = np.where(fresh, share[:, :f], state[:, :, _W])
         rows: Any = np.flatnonzero(beyond)
@@ -164,7 +164,7 @@ class ReactivePlasticity(Solid):
         si, ci = self._sum(within, exact)
         s += si
         if c is not None:
-            c += ci if exact else secant_tangent(self._cauchy, within)
+            c += ci if ci is not None else secant_tangent(self._cauchy, within)
 
     def energy(self, pts: Points) -> Floats:
         within = self.inner(unwritten(pts))

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..points import Points
-from .batches import states
 from .base import Floats, Number, Property, Solid, unwritten
+from .batches import states
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
 from .registry import register
@@ -95,7 +95,7 @@ class _Bonds:
             return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
         return np.abs(np.log(np.linalg.det(F)))
 
-    def _slack(self, pts: Points, law: Law) -> Floats:
+    def _slack(self, pts: Points, law: Law) -> Any:
         """Where both parts are fibers that bear no load, no generation starts."""
         families = (Fiber, UncoupledFiber)
         if not (isinstance(self.elastic, families) and isinstance(self.bond, families)):

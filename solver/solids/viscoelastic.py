@@ -38,7 +38,9 @@ class _Series:
     t4: Number = 1.0
     t5: Number = 1.0
     t6: Number = 1.0
-    parameters: ClassVar[tuple[str, ...]] = ("g0", "g1", "g2", "g3", "g4", "g5", "g6", "t1", "t2", "t3", "t4", "t5", "t6")
+    parameters: ClassVar[tuple[str, ...]] = (
+        "g0", "g1", "g2", "g3", "g4", "g5", "g6", "t1", "t2", "t3", "t4", "t5", "t6",
+    )
     properties: ClassVar[dict[str, Property]] = {"elastic": Property("solid")}
     history = 6 + 6 * _TERMS
 
