@@ -82,7 +82,7 @@ TAIL = """  </Mesh>
     <load_controller id="2" name="largest step" type="loadcurve">
       <interpolate>LINEAR</interpolate>
       <extend>CONSTANT</extend>
-      <points><pt>0,1</pt><pt>10,1</pt><pt>20,5</pt><pt>100,25</pt><pt>{end},100</pt></points>
+      <points><pt>0,1</pt><pt>10,1</pt><pt>20,5</pt><pt>100,25</pt><pt>{end},{last}</pt></points>
     </load_controller>
   </LoadData>
   <Output>
@@ -143,7 +143,7 @@ def text(n: int = 6, layers: int = 4, end: float = 1000.0) -> str:
     for name, where in sets.items():
         ids = ",".join(map(str, np.flatnonzero(where) + 1))
         out.append(f'    <NodeSet name="{name}">{ids}</NodeSet>\n')
-    return "".join([*out, TAIL.replace("{end}", f"{end:g}")])
+    return "".join([*out, TAIL.replace("{end}", f"{end:g}").replace("{last}", f"{end / 10:g}")])
 
 
 def main(folder: Path, n: int = 6, layers: int = 4, end: float = 1000.0) -> float:

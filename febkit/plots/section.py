@@ -42,12 +42,14 @@ class Section:
 
 
 def cut(ds: xr.Dataset, time: int, normal: str = "y", at: float = 0.0, rows: Ints | None = None) -> Section:
-    """Section of the deformed solid elements by the plane ``normal`` = ``at``."""
+    """Section of the solid elements by the material plane ``normal`` = ``at`` of the reference configuration,
+    in its deformed place: models of one mesh are cut through the same material, wherever they moved."""
     from febkit.results.mesh import texts
     from febkit.solver import elements
 
     rows = np.arange(ds.sizes["element"]) if rows is None else rows
-    x = np.asarray(ds["X"].values, dtype=float) + np.asarray(ds["displacement"][time].values, dtype=float)
+    X = np.asarray(ds["X"].values, dtype=float)
+    x = X + np.asarray(ds["displacement"][time].values, dtype=float)
     n = AXES.index(normal)
     plane = [i for i in range(3) if i != n]
     conn = np.asarray(ds["connectivity"].values)
@@ -58,7 +60,8 @@ def cut(ds: xr.Dataset, time: int, normal: str = "y", at: float = 0.0, rows: Int
         mine = np.flatnonzero(code[rows] == k)
         if elements.get(name).dim == 3 and len(mine):
             edges = np.array([e[:2] for e in elements.get(name).edges])
-            corners, hit = _polygons(x[conn[rows[mine]][:, : elements.get(name).nodes]], edges, n, plane, at)
+            nodes = conn[rows[mine]][:, : elements.get(name).nodes]
+            corners, hit = _polygons(X[nodes][:, :, n] - at, x[nodes][:, :, plane], edges)
             found.append((corners, mine[hit]))
     width = max((c.shape[1] for c, _ in found), default=3)
     pad = [np.pad(c, ((0, 0), (0, width - c.shape[1]), (0, 0)), constant_values=np.nan) for c, _ in found]
@@ -66,9 +69,11 @@ def cut(ds: xr.Dataset, time: int, normal: str = "y", at: float = 0.0, rows: Int
     return Section(np.concatenate(pad) if pad else np.zeros((0, 3, 2)), hit, part[rows[hit]])
 
 
-def _polygons(x: Floats, edges: Ints, n: int, plane: list[int], at: float) -> tuple[Floats, Ints]:
-    """Corners (polygon, edge, 2), in order around each polygon, NaN last; indices of the elements cut."""
-    d = x[:, :, n] - at
+def _polygons(d: Floats, x: Floats, edges: Ints) -> tuple[Floats, Ints]:
+    """Corners (polygon, edge, 2), in order around each polygon, NaN last; indices of the elements cut.
+
+    ``d`` (e, n) distance of the nodes from the plane, ``x`` (e, n, 2) their places in the picture.
+    """
     d = np.where(d == 0, 1e-300, d)
     hit = np.flatnonzero((d.min(axis=1) < 0) & (d.max(axis=1) > 0))
     x, d = x[hit], d[hit]
@@ -76,7 +81,7 @@ def _polygons(x: Floats, edges: Ints, n: int, plane: list[int], at: float) -> tu
     crosses = a * b < 0
     with np.errstate(divide="ignore", invalid="ignore"):
         s = np.where(crosses, a / (a - b), np.nan)[..., None]
-    p = (x[:, edges[:, 0]] * (1 - s) + x[:, edges[:, 1]] * s)[:, :, plane]
+    p = x[:, edges[:, 0]] * (1 - s) + x[:, edges[:, 1]] * s
     centre = np.nanmean(p, axis=1, keepdims=True)
     angle = np.arctan2(p[..., 1] - centre[..., 1], p[..., 0] - centre[..., 0])
     order = np.argsort(np.where(np.isnan(angle), np.inf, angle), axis=1)

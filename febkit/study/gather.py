@@ -28,7 +28,7 @@ def finished(plan: Plan) -> Iterator[tuple[tuple[str, str, int], xr.Dataset]]:
 
 
 def results(plan: Plan) -> xr.Dataset:
-    """All metrics (case, method, point, cell, time); NaN where a step has not been done.
+    """All metrics (case, handoff, point, cell, time); NaN where a step has not been done.
 
     Times are those of the first result.
     """
@@ -38,7 +38,7 @@ def results(plan: Plan) -> xr.Dataset:
     methods = ([CONTROL] if study.control else []) + [m.name for m in study.methods]
     coords: dict[str, Any] = {
         "case": list(study.cases),
-        "method": methods,
+        "handoff": methods,
         "point": np.arange(len(study.points)),
     }
     out: xr.Dataset | None = None

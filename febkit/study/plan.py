@@ -59,13 +59,13 @@ def make_plan(study: Study) -> Plan:
         tissue = _tissue(study, case)
         series = _series(study, case, tissue)
         cell = _model("cell", study.cell, case)
-        for method in study.methods:
-            for k in range(len(study.points)):
-                metrics[case, method.name, k] = _driven(study, case, method, k, cell, series, tissue)
         if study.control and centre is not None:
             control = _solved("embedded", study.embedded, case)
             metrics[case, CONTROL, centre] = _measure(study, f"{case} control: measure", control, ())
-            for method in study.methods:
+        for method in study.methods:
+            for k in range(len(study.points)):
+                metrics[case, method.name, k] = _driven(study, case, method, k, cell, series, tissue)
+            if (case, CONTROL, centre) in metrics and centre is not None:
                 inputs = {
                     "control": metrics[case, CONTROL, centre],
                     "test": metrics[case, method.name, centre],

@@ -116,7 +116,6 @@ def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
     for case in plan.study.cases:
         for point in {k for c, m, k in found if c == case and (m == CONTROL or not plan.study.control)}:
             shown = {_label(m): ds for (c, m, k), ds in found.items() if c == case and k == point}
-            shown = dict(sorted(shown.items(), key=lambda kv: kv[0] != CONTROL))
             yield _saved(plots.histories(shown, title=f"case {case}"), folder / f"histories_{case}.png")
             if any("mass_exchange_rate" in ds for ds in shown.values()):
                 yield _saved(
@@ -163,7 +162,6 @@ def _section(plan: Plan, case: str, point: int, time: float = 5.0) -> Any:
     names = [set(_parts(ds)) for ds, _ in shown.values()]
     parts = sorted(set.intersection(*names)) if len(names) > 1 else None
     at = _middle(next(iter(shown.values()))[0])
-    shown = dict(sorted(shown.items(), key=lambda kv: kv[0] != CONTROL))
     return plots.sections(
         shown, "effective_strain", time, "y", at, parts, title=f"case {case}, t = {time:g} s"
     )

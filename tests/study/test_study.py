@@ -193,7 +193,7 @@ def test_a_killed_worker_costs_no_result(tmp_path):
     assert sorted(o.key for o in over.done) == sorted(p.steps())
     assert study.carry_out(q, "serial").complete
     a, b = study.results(p), study.results(q)
-    assert a.sizes == {"case": 1, "method": 2, "point": 3, "cell": 1, "time": 3, "axis": 3, "xyz": 3}
+    assert a.sizes == {"case": 1, "handoff": 2, "point": 3, "cell": 1, "time": 3, "axis": 3, "xyz": 3}
     assert np.isfinite(a["effective_strain"]).all()
     for name in a.data_vars:
         # other numbers of BLAS threads round otherwise
