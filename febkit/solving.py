@@ -21,13 +21,15 @@ def solve(
     logfile: str | PathLike[str] | None = None,
     threads: int = 0,
     linear: str = "auto",
+    factor: str = "auto",
     progress: bool = False,
     listeners: Sequence[Listener] = (),
     warn: Callable[[str], None] | None = None,
 ) -> Result:
     """Solve ``model``; write a plotfile and a log where paths are given.
 
-    threads: 0 for all processors; linear: "auto", "pardiso", "superlu" or "dense".
+    threads: 0 for all processors; linear: "auto", "pardiso", "superlu" or "dense";
+    factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`).
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
     """
@@ -55,4 +57,4 @@ def solve(
         from febkit.output.progress import ProgressListener
 
         told.append(ProgressListener(Path(model.file).name or "solving"))
-    return run(problem, told, Options(threads, linear))
+    return run(problem, told, Options(threads, linear, factor))

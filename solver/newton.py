@@ -4,18 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .clock import Clock
 from .group import NegativeJacobian
-from .linear.base import LinearError, LinearSolver
+from .linear.base import LinearError, LinearSolver, Matrix
+from .linear.krylov import gmres
 from .problem import P
-from .quasi_newton import METHODS, FullNewton
+from .quasi_newton import METHODS, Anderson, FullNewton
 from .system import System
+from .vectors import dot
 
 Floats = NDArray[np.float64]
+
+
+# when an old factorisation is used again: dt within this factor, first direction to this accuracy
+REUSE_RATIO = 4.0
+GMRES_TOLERANCE = 0.03
+GMRES_MOST = 12
+KEEP = 2  # factorisations kept: steps alternate between long ones and short ones before must points
+EASY = 8  # iterations up to which FEBio's stepper grows the step at its full rate: within, ours is the same
+
+
+@dataclass(slots=True)
+class Factor:
+    """A factorisation and the step size it was made for."""
+
+    dt: float
+    solver: LinearSolver
 
 
 class NotConverged(RuntimeError):
@@ -65,20 +84,28 @@ class Newton:
     """Solves time steps of one system; keeps the factored tangent between them."""
 
     def __init__(
-        self, system: System, solver: LinearSolver, watch: Callable[[Iteration], None], clock: Clock | None = None
+        self, system: System, make_solver: Callable[[], LinearSolver], watch: Callable[[Iteration], None],
+        clock: Clock | None = None, reuse: bool = False,
     ) -> None:
-        self.system, self.solver, self.watch, self.clock = system, solver, watch, clock or Clock()
+        self.system, self.make_solver, self.watch, self.clock = system, make_solver, watch, clock or Clock()
+        self.solver = make_solver()
         self.options = system.step.newton
         method = METHODS.get(self.options.method, FullNewton)
         if self.options.updates == 0:
             method = FullNewton
-        self.qn = method(self._back, self.options)
+        self.reuse = reuse and method is not FullNewton
+        self._fresh_qn: Any = method(self._back, self.options)
+        self._anderson = Anderson(self._back, self.options)
+        self.qn: Any = self._fresh_qn
+        self._factors: list[Factor] = []
+        self._stale = False
+        self._hard = True  # the last step took many iterations
         self.force_reform = True
         eqs = system.eqs
         self.rows, self.given = eqs.rows, eqs.given
-        self.is_p = eqs.column == P
-        self.is_u = ~self.is_p
-        self.biphasic = bool(self.is_p.any()) or system.problem.biphasic
+        self.is_p = np.flatnonzero(eqs.column == P)
+        self.is_u = np.flatnonzero(eqs.column != P)
+        self.biphasic = bool(len(self.is_p)) or system.problem.biphasic
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
         self.augments = any(g.block.augment is not None for g in system.groups)
@@ -101,12 +128,78 @@ class Newton:
         if A.n:
             if not np.isfinite(A.data).all():
                 raise NotConverged("the tangent holds a number that is not finite")
-            with self.clock("factorisation"):
-                self.solver.factor(A)
+            if self.reuse:
+                self._keep_factor(A)
+            else:
+                self._factorise(A)
+        self._stale = False
+        return Fd
+
+    # ---- factorisations used again ----------------------------------------------------------------
+    @property
+    def stale(self) -> bool:
+        """True where the present step leans on a factorisation of an earlier one."""
+        return self._stale
+
+    def _kept(self) -> Factor | None:
+        """The kept factorisation whose step size is nearest, where it may serve the coming step."""
+        if self.force_reform or self._hard:
+            return None
+        dt = self.system.state.dt
+        ratios = [(max(dt / f.dt, f.dt / dt), k) for k, f in enumerate(self._factors)]
+        best = min(ratios, default=(np.inf, -1))
+        return self._factors[best[1]] if best[0] <= REUSE_RATIO else None
+
+    def _start(self, du: Floats) -> tuple[Floats, Floats | None]:
+        """Residual with prescribed increments at the start of a step, and a direction where one is found."""
+        self._stale = False
+        if not self.reuse:
+            Fd = self._reform(du)
+            return self._residual() + Fd, None
+        with self.clock("tangent"):
+            A, Fd = self.system.tangent(du)
+        if not np.isfinite(A.data).all():
+            raise NotConverged("the tangent holds a number that is not finite")
+        R0 = self._residual() + Fd
+        kept = self._kept()
+        if kept is not None:
+            self.solver, self._stale, self.qn = kept.solver, True, self._anderson
+            self.qn.reset()
+            u = self._direction(A, R0)
+            if u is not None:
+                return R0, u
+            self._stale = False
+        self.qn = self._fresh_qn
+        self._keep_factor(A)
+        return R0, self._direction(A, R0)
+
+    def _direction(self, A: Matrix, R0: Floats) -> Floats | None:
+        """The Newton direction by GMRES with the factorisation at hand; None where that does not serve."""
+        u, rows = R0.copy(), self.rows
+        with self.clock("linear solves"):
+            u[rows], _, error = gmres(A, R0[rows], self.solver.solve, GMRES_TOLERANCE, GMRES_MOST)
+        return u if error < GMRES_TOLERANCE else None
+
+    def _keep_factor(self, A: Matrix) -> None:
+        """Factorise for the present step size, in place of the kept factorisation nearest to it if there are enough."""
+        dt = self.system.state.dt
+        if len(self._factors) < KEEP:
+            self._factors.append(Factor(dt, self.make_solver()))
+            k = len(self._factors) - 1
+        else:
+            k = int(np.argmin([abs(np.log(f.dt / dt)) for f in self._factors]))
+        self._factors[k].dt = dt
+        self.solver = self._factors[k].solver
+        if self.count.reforms >= self.options.max_reforms:
+            raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
+        self._factorise(A)
+
+    def _factorise(self, A: Matrix) -> None:
+        with self.clock("factorisation"):
+            self.solver.factor(A)
         self.count.reforms += 1
         self.count.total_reforms += 1
         self.qn.reset()
-        return Fd
 
     def _residual(self) -> Floats:
         self.count.residuals += 1
@@ -120,6 +213,11 @@ class Newton:
         with self.clock("stress update"):
             self.system.set(self.total + self.increment + u, self.target)
 
+    def close(self) -> None:
+        """Free all factorisations."""
+        for solver in [self.solver, *[f.solver for f in self._factors]]:
+            solver.close()
+
     # ---- line search ------------------------------------------------------------------------------
     def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
         """Step length s with |u . R(s)| < lstol |u . R(0)| (FEBio's cubic of the energy), and R there."""
@@ -128,7 +226,7 @@ class Newton:
             self._move(u)
             return 1.0, self._residual()
         s = best = 1.0
-        r0 = float(u @ R0)
+        r0 = dot(u, R0)
         least = abs(r0)
         n = 0
         while True:
@@ -137,7 +235,7 @@ class Newton:
             if s < o.line_minimum and not o.line_check_jacobians:
                 self._move(0.5 * u)
                 return 0.5, self._residual()
-            r1 = float(u @ R1)
+            r1 = dot(u, R1)
             if n == 0 or abs(r1) < least:
                 best, least = s, abs(r1)
             r = 0.0 if abs(r1) < 1e-17 else abs(r1 / r0) if r0 else np.inf
@@ -191,26 +289,29 @@ class Newton:
         sys_.update()
         self.qn.reset() if self.force_reform or o.reform_each_step else None
         self.qn.begin()
-        Fd = self._reform(du)
+        R0, u = self._start(du)
         self.force_reform = False
-        R0 = self._residual() + Fd
         norms = _Norms()
         while True:
-            if self._iterate(R0, norms):
+            if self._iterate(R0, norms, u):
                 self.total = self.total + self.increment
+                self._hard = self.count.iterations > EASY
                 return self.count
-            R0 = self._next_R0
+            R0, u = self._next_R0, None
 
-    def _iterate(self, R0: Floats, m: _Norms) -> bool:
+    def _iterate(self, R0: Floats, m: _Norms, u: Floats | None = None) -> bool:
         o, k = self.options, self.count
-        u = self.qn.solve(R0)
+        if u is None:
+            u = self.qn.solve(R0)
+        elif self.qn is self._anderson:
+            u = self._anderson.first(u, R0)
         if not np.isfinite(u).all():
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s, R1 = self._line_search(u, R0)
         if k.iterations == 0:
-            m.residual0, m.energy0 = float(R0 @ R0), abs(float(u @ R0))
+            m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
             m.energy_max = m.energy0
-            m.u0, m.p0 = float(u[self.is_u] @ u[self.is_u]), float(u[self.is_p] @ u[self.is_p])
+            m.u0, m.p0 = dot(u[self.is_u], u[self.is_u]), dot(u[self.is_p], u[self.is_p])
         self.increment = self.increment + s * u
         report, converged = self._test(u, s, R1, m)
         energy = report["energy"].now
@@ -241,7 +342,7 @@ class Newton:
         fields = [("displacement", self.is_u, o.dtol, m.u0)]
         if self.biphasic:
             fields.append(("fluid pressure", self.is_p, o.ptol, m.p0))
-        energy, r1 = abs(s * float(u @ R1)), float(R1 @ R1)
+        energy, r1 = abs(s * dot(u, R1)), dot(R1, R1)
         report = {
             "residual": Norm(m.residual0, r1, o.rtol * m.residual0),
             "energy": Norm(m.energy0, energy, o.etol * m.energy0),
@@ -249,7 +350,7 @@ class Newton:
         ok = not (o.rtol > 0 and r1 > o.rtol * m.residual0)
         ok = ok and not (o.etol > 0 and energy > o.etol * m.energy0)
         for name, mask, tol, first in fields:
-            now, total = s * s * float(u[mask] @ u[mask]), float(U[mask] @ U[mask])
+            now, total = s * s * dot(u[mask], u[mask]), dot(U[mask], U[mask])
             report[name] = Norm(first, now, tol * tol * total)
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
@@ -258,6 +359,8 @@ class Newton:
 
     def _update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> None:
         reform, self.force_reform = self.force_reform, False
+        if self._stale and (reform or self.count.iterations + 1 >= EASY):
+            raise NotConverged("the factorisation of an earlier step did not serve")
         if reform or not self.qn.update(s, u, R0, R1):
             self._reform(np.zeros_like(u))
         self._next_R0 = R1

@@ -21,7 +21,7 @@ INACTIVE, FREE, HELD, GIVEN = -1, 0, 1, 2  # what becomes of a nodal unknown
 class Equations:
     """Numbers unknowns node by node: ``eq`` (node, column), -1 where fixed or absent.
 
-    Prescribed unknowns get numbers too (FEBio counts them in its norms); ``free`` (equation) is the row
+    Prescribed unknowns get numbers too; ``free`` (equation) is the row
     in the matrix, or -1 where prescribed.
     """
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .problem import NewtonOptions
+from .vectors import dot
 
 Floats = NDArray[np.float64]
 Back = Callable[[Floats], Floats]  # solve with the factored tangent
@@ -80,17 +81,17 @@ class BFGS(_Buffered):
     def solve(self, b: Floats) -> Floats:
         t = b.copy()
         for v, w in zip(reversed(self._a), reversed(self._b)):
-            t += v * (w @ t)
+            t += v * dot(w, t)
         x = self.back(t)
         for v, w in zip(self._a, self._b):
-            x += w * (v @ x)
+            x += w * dot(v, x)
         return x
 
     def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
         if self.count >= self.most - 1:
             return False
         d, g, h = s * u, R0 - R1, s * R0
-        dg, dh = float(d @ g), float(d @ h)
+        dg, dh = dot(d, g), dot(d, h)
         if dg == 0.0 or dh == 0.0:
             return False
         c = np.sqrt(abs(dg / dh))
@@ -119,7 +120,7 @@ class Broyden(_Buffered):
 
     def _apply(self, q: Floats, k: int) -> Floats:
         for r, d, rho in zip(self._a[:k], self._b[:k], self._rho[:k]):
-            q += rho * (d @ q) * (d - r)
+            q += rho * dot(d, q) * (d - r)
         return q
 
     def solve(self, b: Floats) -> Floats:
@@ -131,7 +132,7 @@ class Broyden(_Buffered):
             self._q = self._apply(self.back(b), k)
             self._fresh = False
         r, d, rho = self._a[k], self._b[k], self._rho[k]
-        return self._q + rho * float(d @ self._q) * (d - r)
+        return self._q + rho * dot(d, self._q) * (d - r)
 
     def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
         if self.count >= self.most - 1:
@@ -144,12 +145,67 @@ class Broyden(_Buffered):
         q = self._apply(self.back(R1), k)
         self._q = q
         r, d = q - u, -s * u
-        rd = float(d @ r)
+        rd = dot(d, r)
         if rd == 0.0:
             return False
         self._a.append(r)
         self._b.append(d)
         self._rho.append(1.0 / rd)
+        self.count += 1
+        return True
+
+
+class Anderson:
+    """Multisecant correction of any approximate inverse M^-1, an old factorisation for one.
+
+    With z = M^-1 R, pairs d_i (steps taken) and Z_i = M^-1 (R_i - R_i+1): u = z + sum g_i (d_i - Z_i), g the
+    least-squares solution of Z g = z. Fang and Saad, Numer Linear Algebra Appl 16 (2009).
+    """
+
+    def __init__(self, back: Back, options: NewtonOptions, keep: int = 12) -> None:
+        self.back, self.keep, self.count = back, keep, 0
+        self._d: list[Floats] = []
+        self._Z: list[Floats] = []
+        self._z: Floats | None = None
+
+    def reset(self) -> None:
+        self.count = 0
+        self._d.clear()
+        self._Z.clear()
+        self._z = None
+
+    def begin(self) -> None:
+        self._z = None
+
+    def first(self, u: Floats, R: Floats) -> Floats:
+        """Take a direction found otherwise as that of the present residual."""
+        self._z = self.back(R)
+        return u
+
+    def solve(self, b: Floats) -> Floats:
+        z = self.back(b) if self._z is None else self._z
+        self._z = z
+        if not self._d:
+            return z.copy()
+        # normal equations with scaled columns: few columns, long vectors
+        size = np.array([np.sqrt(dot(q, q)) or 1.0 for q in self._Z])
+        G = np.array([[dot(a, b) for b in self._Z] for a in self._Z]) / np.outer(size, size)
+        f = np.array([dot(q, z) for q in self._Z]) / size
+        g = np.linalg.lstsq(G, f, rcond=1e-12)[0] / size
+        out = z.copy()
+        for q, d, c in zip(self._Z, self._d, g):
+            out += c * (d - q)
+        return out
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
+        z1 = self.back(R1)
+        assert self._z is not None
+        self._d.append(s * u)
+        self._Z.append(self._z - z1)
+        if len(self._d) > self.keep:
+            self._d.pop(0)
+            self._Z.pop(0)
+        self._z = z1
         self.count += 1
         return True
 

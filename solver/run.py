@@ -27,10 +27,18 @@ if TYPE_CHECKING:
 
 @dataclass
 class Options:
-    """threads 0: all processors this process may use; linear: auto, pardiso, superlu or dense."""
+    """threads 0: all processors this process may use; linear: auto, pardiso, superlu or dense.
+
+    factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
+    it serves; "auto" reuses in large quasi-Newton runs whose saved times do not hang on iteration counts.
+    """
 
     threads: int = 0
     linear: str = "auto"
+    factor: str = "auto"
+
+
+REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
 
 
 class Listener:
@@ -133,9 +141,11 @@ class Run:
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
         self.system = System(self.problem, step, self.groups, s, self.team)
-        solver = choose(self.options.linear, len(self.system.eqs.rows), self.team.n)
-        self.totals.linear_solver = solver.name
-        newton = Newton(self.system, solver, lambda it: self.tell("iteration", it), self.clock)
+        reuse, rows = self._reuse(), len(self.system.eqs.rows)
+        newton = Newton(
+            self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,
+        )  # fmt: skip
+        self.totals.linear_solver = newton.solver.name
         for load in step.loads:
             if hasattr(load, "begin"):
                 load.begin(s.reaction)
@@ -151,10 +161,18 @@ class Run:
                 if reason:
                     return reason
         finally:
-            self.totals.factor = dict(solver.stats)
-            solver.close()
+            self.totals.factor = dict(newton.solver.stats)
+            newton.close()
         self._save("step")
         return ""
+
+    def _reuse(self) -> bool:
+        """Is a factorisation kept over time steps? See :class:`Options`."""
+        assert self.system is not None
+        if self.options.factor != "auto":
+            return self.options.factor == "reuse"
+        pinned = self.step.auto is None or self.step.saving.level != "PLOT_MAJOR_ITRS"
+        return pinned and len(self.system.eqs.rows) >= REUSE_EQUATIONS
 
     def _initial_acceleration(self) -> None:
         """a0 = M^-1 f where external forces act at the start (FEBio's InitAccelerations)."""
@@ -194,6 +212,9 @@ class Run:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 self._restore(saved, newton)
+                if newton.stale:  # once more with a tangent of its own before the step is cut
+                    newton.force_reform = True
+                    continue
                 fatal = isinstance(e, LinearError) or not step.retry()
                 self.tell("failed", why, None if fatal else step.dt)
                 if fatal:

@@ -22,7 +22,7 @@ class System:
     """The equations of one analysis step.
 
     Vectors over equations hold free and prescribed unknowns alike, node by node; a prescribed entry of
-    a residual is zero, of an increment the increment asked for (so FEBio counts them in its norms).
+    a residual and of an increment is zero.
     """
 
     def __init__(self, problem: Problem, step: Step, groups: list[Group], state: State, team: Team) -> None:
@@ -193,7 +193,6 @@ class System:
                 self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
             self._add_mass(A, step, Fd)
-        Fd[self.eqs.given] = step[self.eqs.given]
         return A, Fd
 
     def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:

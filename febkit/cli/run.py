@@ -17,10 +17,12 @@ import click
 @click.option("-t", "--threads", default=0, show_default="all processors", help="Threads to use.")
 @click.option("--linear", default="auto", show_default=True, type=click.Choice(["auto", "pardiso", "superlu", "dense"]),
               help="Linear solver.")
+@click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
+              help="Keep factorisations over time steps, or renew them where FEBio does.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: str | None, plot: str | None, silent: bool, threads: int,
-    linear: str, verbose: bool,
+    linear: str, factor: str, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -43,7 +45,7 @@ def command(
     from febkit.solving import solve
 
     said: list[str] = []
-    result = solve(m, plot_path, log_path, threads, linear, progress=not silent, warn=said.append)
+    result = solve(m, plot_path, log_path, threads, linear, factor, progress=not silent, warn=said.append)
     if not silent:
         _report(result, plot_path, log_path, said, verbose)
     if not result.converged:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
-from febkit.solver.problem import Problem, Step
+from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
 from . import conditions, control, loads, materials, shells
 from .context import Context
@@ -49,6 +49,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     common = Step()
     _fill(ctx, common, model.common)
     steps = [_step(ctx, s) for s in model.steps]
+    _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
     if not blocks and not ctx.refused:
@@ -56,6 +57,13 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     if ctx.refused:
         return None, ctx.refused
     return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids), []
+
+
+def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
+    """The midpoint rule's energy-conserving stress is not there for element-mean pressures."""
+    for s, spec in zip(steps, ctx.model.steps):
+        if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and any(b.formulation == "three-field" for b in blocks):
+            ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
 
 
 def _whole_sections(ctx: Context) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import cached_property
 
@@ -12,6 +13,7 @@ from febkit.model import math as formulas
 from febkit.solver.values import Constant, Expression, Map, Scaled, Value
 
 Controller = Callable[[float], float]
+_PARAMETER = re.compile(r"\$\{(fem\.material\('([^']+)'\)\.(\w+))\}")
 
 
 class Context:
@@ -89,10 +91,29 @@ class Context:
             return self.formula(leaf.text, leaf)
 
     def formula(self, text: str, leaf: Component) -> Value:
-        f = formulas.compile(text, ("X", "Y", "Z", "t", *self.model.variables), dict(self.model.variables), leaf.where)
+        referred = self._referred(text, leaf)
+        names = ("X", "Y", "Z", "t", *self.model.variables, *referred)
+        f = formulas.compile(text, names, dict(self.model.variables), leaf.where)
+        if referred:
+            def value(X: np.ndarray, Y: np.ndarray, Z: np.ndarray, t: float) -> np.ndarray:
+                place = np.stack([X, Y, Z], axis=-1)
+                return np.asarray(f(X, Y, Z, t, **{k: v(t, place) for k, v in referred.items()}))
+
+            return Expression(value, steady=f.steady and all(v.steady for v in referred.values()))
         if f.uniform and f.steady:
             return Constant(float(f()))
         return Expression(f, steady=f.steady)
+
+    def _referred(self, text: str, leaf: Component) -> dict[str, Value]:
+        """Parameters of materials that a formula refers to, ``${fem.material('name').E}``, by that text."""
+        out: dict[str, Value] = {}
+        for whole, name, parameter in _PARAMETER.findall(text):
+            material = next((m for m in self.model.materials if m.name == name), None)
+            found = None if material is None else material.child(parameter)
+            if found is None:
+                raise InputError(f'there is no parameter "{parameter}" of a material "{name}"', leaf.where)
+            out[whole] = self.value(found)
+        return out
 
     def _map(self, name: str, leaf: Component, maps: str) -> Value:
         data = next((d for d in self.model.mesh_data if d.name == name), None)

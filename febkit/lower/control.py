@@ -71,7 +71,7 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
-    o = NewtonOptions(method="Broyden" if ctx.model.module == "biphasic" else "BFGS")
+    o = NewtonOptions(method="BFGS")
     if c is None:
         return o
     ctx.check_tags(c, SOLVER)

@@ -62,6 +62,10 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     solid = record(ctx, spec, "solid", d.block)
     if solid is None:
         return None
+    if mixture is not None:
+        for node in solid.walk():
+            if hasattr(node, "phi0"):  # porous solids take the porosity of the mixture
+                node.phi0 = mixture.phi0
     block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture)
     block.axes = element_axes(ctx, d.block)
     own = top.child("mat_axis")

@@ -7,8 +7,11 @@ from .base import LinearError, LinearSolver
 DENSE_LIMIT = 150  # equations below which loading MKL costs more than all dense solves of a run
 
 
-def choose(name: str, equations: int, threads: int) -> LinearSolver:
-    """``auto``: dense LU up to 150 equations, else MKL PARDISO, else SuperLU. Others force one."""
+def choose(name: str, equations: int, threads: int, single: bool = False) -> LinearSolver:
+    """``auto``: dense LU up to 150 equations, else MKL PARDISO, else SuperLU. Others force one.
+
+    ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
+    """
     from .pardiso import Pardiso, library
     from .superlu import SuperLU
 
@@ -19,7 +22,7 @@ def choose(name: str, equations: int, threads: int) -> LinearSolver:
 
         return Dense()
     if name == "pardiso":
-        return Pardiso(threads)
+        return Pardiso(threads, single)
     if name == "superlu":
         return SuperLU()
     raise LinearError(f"unknown linear solver {name!r}: use auto, pardiso, superlu or dense")
