@@ -156,10 +156,10 @@ def main(folder: Path, n: int = 6, layers: int = 4, end: float = 1000.0) -> floa
     result = febkit.solve(febkit.read(path), plotfile=plot, logfile=path.with_suffix(".log"))
     assert result.converged, result.reason
     ds = febkit.open_results(plot).sel(time=10.0, method="nearest")
-    z = np.asarray(ds["X"])[:, 2]
+    x, y, z = np.asarray(ds["X"]).T
     axial = np.asarray(ds["reaction_forces"])[z > 0.999 * HEIGHT, 2].sum() / (0.25 * np.pi * RADIUS**2)
     pressure = np.asarray(ds["effective_fluid_pressure"])
-    return float(np.nanmax(pressure) / abs(axial))
+    return float(pressure[np.hypot(x, y) < 1e-6].mean() / abs(axial))
 
 
 if __name__ == "__main__":

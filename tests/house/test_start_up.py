@@ -10,7 +10,7 @@ from time import perf_counter
 import pytest
 
 HEAVY = ("numba", "llvmlite", "scipy.sparse", "matplotlib", "dask", "meshio")
-MODEL = Path(__file__).parents[2] / "examples" / "confined_compression.feb"
+MODEL = Path(__file__).parents[2] / "examples" / "unconfined_compression.feb"
 
 PROGRAM = """
 import sys

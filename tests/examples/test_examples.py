@@ -1,0 +1,43 @@
+"""Examples are tests: each runs small and gives its pinned number."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "examples"
+
+
+def example(name: str) -> Any:
+    spec = importlib.util.spec_from_file_location(f"example_{name}", FOLDER / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_confined_compression_meets_the_series() -> None:
+    assert example("confined_compression").main(10, 0.05) < 0.015
+
+
+def test_unconfined_compression_is_what_its_script_writes() -> None:
+    assert (FOLDER / "unconfined_compression.feb").read_text() == example("unconfined_compression").text()
+
+
+def test_unconfined_compression(tmp_path: Path) -> None:
+    """Before fluid has left, an incompressible plug carries a third of its axial stress as pressure."""
+    share = example("unconfined_compression").main(tmp_path, n=2, layers=2, end=150.0)
+    assert share == pytest.approx(PINNED_SHARE, rel=2e-3)
+    assert share == pytest.approx(1 / 3, abs=0.05)
+
+
+def test_edit_and_solve(tmp_path: Path) -> None:
+    """At equilibrium the force is proportional to Young's modulus."""
+    text = example("unconfined_compression").text(2, 2, 20000.0)
+    assert example("edit_and_solve").main(text, tmp_path) == pytest.approx(2.0, rel=2e-3)
+
+
+PINNED_SHARE = 0.37553
