@@ -39,6 +39,11 @@ def solve(
     problem = lower(model)
     told: list[Listener] = [*listeners]
     say = [warn or (lambda m: warnings.warn(m, stacklevel=3))]
+
+    def tell(message: str) -> None:
+        for f in say:
+            f(message)
+
     if logfile is not None:
         from febkit.output.log import LogListener
 
@@ -48,11 +53,12 @@ def solve(
     if model.output.log:
         from febkit.output.logdata import LogDataListener
 
-        told.append(LogDataListener(model, Path(logfile or model.file or ".").parent, lambda m: [f(m) for f in say]))
+        beside = Path(logfile or model.file or "febkit")
+        told.append(LogDataListener(model, beside.parent, beside.stem, tell))
     if plotfile is not None:
         from febkit.output.plotfile import PlotListener
 
-        told.append(PlotListener(model, plotfile, lambda m: [f(m) for f in say]))  # type: ignore[arg-type,func-returns-value]
+        told.append(PlotListener(model, plotfile, tell))
     if progress:
         from febkit.output.progress import ProgressListener
 

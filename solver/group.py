@@ -6,7 +6,8 @@ assembly in turn, so that no material needs to know an element, nor an element a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from threading import Lock
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from . import elements
 from .kernels import biphasic, pattern, solid, three_field
+from .law import PoreCollapse
 from .pattern import Pattern
 from .points import Points
 from .problem import Block
@@ -27,7 +29,11 @@ _NONE = np.zeros((0, 0))
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
-class NegativeJacobian(RuntimeError):
+class ElementFailure(RuntimeError):
+    """An element that cannot go on; the message names it, its part and why."""
+
+
+class NegativeJacobian(ElementFailure):
     """An element turned inside out; ``element`` is its label, ``part`` its block."""
 
     def __init__(self, element: int, part: str) -> None:
@@ -112,6 +118,14 @@ class Group:
             out[c.thread].append(c)
         return out
 
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Say which element of which part a law failed in."""
+        try:
+            yield
+        except PoreCollapse as e:
+            raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
+
     # ---- update -----------------------------------------------------------------------------------
     def update(self, state: State, x: Floats, drive: list | None = None) -> None:
         """Kinematics and stresses at positions x (node, 3). Raises NegativeJacobian."""
@@ -125,7 +139,8 @@ class Group:
                     first = bad if first < 0 else first
                     continue
                 if first < 0:
-                    self._update_chunk(c, state, drive)
+                    with self._named():
+                        self._update_chunk(c, state, drive)
             return first
 
         bad = [b for b in self.team.map(work, len(groups)) if b >= 0]
@@ -243,7 +258,8 @@ class Group:
             K, s = np.empty((size, nd, nd)), np.empty((size * self.g, 6))
             C = np.empty((size * self.g, 6, 6))
             for c in groups[i]:
-                self._chunk_tangent(c, state, s, C, K, steady)
+                with self._named():
+                    self._chunk_tangent(c, state, s, C, K, steady)
                 with self.lock:
                     pattern.scatter(
                         c.lo, c.hi, K, self.conn, back, pat.eq, pat.free, pat.lead, pat.indptr, data,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .clock import Clock
-from .group import Group, NegativeJacobian
+from .group import ElementFailure, Group
 from .linear.base import LinearError
 from .linear.choose import choose
 from .newton import Counts, Iteration, Newton, NotConverged
@@ -100,7 +100,7 @@ class Run:
                 self._save("solved")
         except KeyboardInterrupt:
             reason, interrupted = f"interrupted at time {self.state.time:g}", True
-        except NegativeJacobian as e:
+        except ElementFailure as e:
             reason = str(e)
         self.totals.seconds["total"] = perf_counter() - t0
         result = Result(not reason, reason, self.state, self.totals, self.times, interrupted)
@@ -208,7 +208,7 @@ class Run:
             self._prepare()
             try:
                 counts = newton.step()
-            except (NotConverged, NegativeJacobian, LinearError) as e:
+            except (NotConverged, ElementFailure, LinearError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 self._restore(saved, newton)

@@ -232,6 +232,16 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
     return record(ctx, c, prop.table, part)
 
 
+class Curve:
+    """A load curve as a function of arrays; its points stay at hand."""
+
+    def __init__(self, curve: Any) -> None:
+        self.curve, self.points = curve, curve.points
+
+    def __call__(self, x: Any) -> Any:
+        return np.vectorize(self.curve)(x)
+
+
 def _curve(ctx: Context, c: Component) -> Any:
     """A function of one variable: constant, linear ramp, step, points or formula."""
     from febkit.solver.controllers import LoadCurve
@@ -239,8 +249,7 @@ def _curve(ctx: Context, c: Component) -> Any:
     kind = c.type or "const"
     if kind == "point":
         points = [p.as_floats(2) for p in c.need("points")]
-        f = LoadCurve(np.array(points), c.str("interpolate", "linear"), c.str("extend", "constant"))
-        return lambda x: np.vectorize(f)(x)
+        return Curve(LoadCurve(np.array(points), c.str("interpolate", "linear"), c.str("extend", "constant")))
     if kind == "math":
         g = formulas.compile((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
         name = next(iter(g.names), "x")

@@ -1,0 +1,53 @@
+"""Nodal and element data of <logfile>: the files hold what the final state says."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import febkit
+from febkit.model import InputError, LogEntry
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "unconfined_compression.feb"
+
+
+def _model(*entries: LogEntry, steps: int = 2) -> object:
+    m = febkit.read(EXAMPLE)
+    return replace(m, output=replace(m.output, log=tuple(entries)))
+
+
+def _last(path: Path) -> tuple[float, np.ndarray]:
+    blocks = path.read_text().split("*Step")
+    lines = blocks[-1].splitlines()
+    rows = [[float(x) for x in line.split(",")] for line in lines if line and line[0].isdigit()]
+    return float(lines[1].split("=")[1]), np.array(rows)
+
+
+def test_nodal_and_element_data(tmp_path):
+    m = _model(
+        LogEntry("node_data", "uz;p", file="nodes.csv", delim=","),
+        LogEntry("element_data", "J;sz", file="elements.csv", delim=",", items=(2, 5)),
+    )
+    result = febkit.solve(m, logfile=tmp_path / "m.log")
+    assert result.converged
+    t, rows = _last(tmp_path / "nodes.csv")
+    assert t == pytest.approx(result.state.time)
+    assert rows[:, 0].astype(int).tolist() == m.mesh.node_ids.tolist()
+    np.testing.assert_allclose(rows[:, 1], result.state.d[:, 2], rtol=1e-8, atol=1e-14)
+    np.testing.assert_allclose(rows[:, 2], result.state.d[:, 3], rtol=1e-8, atol=1e-14)
+    _, rows = _last(tmp_path / "elements.csv")
+    assert rows[:, 0].tolist() == [2, 5]
+    assert (np.abs(rows[:, 1] - 1) < 0.5).all()
+
+
+def test_unknown_data_is_named_and_left_out(tmp_path):
+    said = []
+    febkit.solve(_model(LogEntry("node_data", "nonsense", file="n.csv")), logfile=tmp_path / "m.log", warn=said.append)
+    assert any("nonsense" in s for s in said)
+    assert not (tmp_path / "n.csv").exists()
+
+
+def test_a_node_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(InputError, match="999999"):
+        febkit.solve(_model(LogEntry("node_data", "uz", items=(999999,))), logfile=tmp_path / "m.log")
