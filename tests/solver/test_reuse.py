@@ -1,0 +1,94 @@
+"""A factorisation kept over time steps gives the answer that fresh ones give, with fewer of them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from febkit.solver.linear.base import Matrix
+from febkit.solver.linear.krylov import gmres, matvec
+from febkit.solver.problem import TRANSIENT, UX, UY, UZ, Fixed, Mixture, NewtonOptions, P, Prescribed
+from febkit.solver.problem import Problem, Step
+from febkit.solver.quasi_newton import Anderson
+from febkit.solver.run import Options, run
+from febkit.solver.solids.neo_hookean import NeoHookean
+from febkit.solver.values import Constant, Scaled
+
+sys.path.insert(0, str(Path(__file__).parent))
+import scenes
+
+
+def relaxing(n: int = 4) -> Problem:
+    """Confined stress relaxation of a biphasic column, fixed steps."""
+    from febkit.solver.permeabilities.const_iso import ConstIso
+    from febkit.solver.problem import Block
+
+    X, conn = scenes.grid((n, n, n))
+    top = np.flatnonzero(X[:, 2] > 1 - 1e-9)
+    holds: list[Any] = [Fixed(k, np.flatnonzero((X[:, k] < 1e-9) | (X[:, k] > 1 - 1e-9))) for k in (UX, UY)]
+    ramp = Scaled(Constant(-0.1), lambda t: min(t / 1.0, 1.0))
+    conditions = [
+        *holds, Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Prescribed(UZ, top, ramp), Fixed(P, top),
+    ]  # fmt: skip
+    block = Block("column", "hex8", conn, np.arange(1, len(conn) + 1), NeoHookean(E=1.0, v=0.2),
+                  Mixture(ConstIso(perm=0.05)))  # fmt: skip
+    newton = NewtonOptions(dtol=1e-4, etol=1e-8, ptol=1e-4)
+    step = Step(analysis=TRANSIENT, dt=0.1, count=30, newton=newton, conditions=conditions)
+    return Problem(X, [block], [step])
+
+
+def test_reuse_gives_the_same_answer_with_fewer_factorisations():
+    fresh = run(relaxing(), options=Options(threads=1, factor="fresh"))
+    kept = run(relaxing(), options=Options(threads=1, factor="reuse"))
+    assert fresh.converged and kept.converged
+    assert kept.totals.reforms < 0.7 * fresh.totals.reforms
+    assert kept.totals.steps == fresh.totals.steps
+    d, e = fresh.state.d, kept.state.d
+    assert np.linalg.norm(e - d) < 1e-4 * np.linalg.norm(d)
+
+
+def _spd(n: int = 60, seed: int = 1) -> tuple[Matrix, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    B = rng.normal(size=(n, n)) * (rng.random((n, n)) < 0.15)
+    full = B @ B.T + n * 0.1 * np.eye(n)
+    upper = np.triu(full)
+    rows, columns = np.nonzero(upper)
+    indptr = np.searchsorted(rows, np.arange(n + 1)).astype(np.int32)
+    return Matrix(indptr, columns.astype(np.int32), upper[rows, columns].copy(), True), full
+
+
+def test_product_with_upper_storage():
+    A, full = _spd()
+    x = np.random.default_rng(2).normal(size=A.n)
+    np.testing.assert_allclose(matvec(A, x), full @ x, rtol=1e-12)
+
+
+def test_gmres_with_an_old_factorisation():
+    A, full = _spd()
+    old = np.linalg.inv(full + np.diag(np.linspace(0, 3, A.n)))
+    b = np.random.default_rng(3).normal(size=A.n)
+    x, n, error = gmres(A, b, lambda r: old @ r, 1e-8, 40)
+    assert error < 1e-8 and n < 40
+    np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("stiffer", [0.5, 2.0])
+def test_anderson_solves_a_linear_system_with_a_wrong_inverse(stiffer):
+    _, full = _spd(20)
+    wrong = np.linalg.inv(full * stiffer + np.diag(np.linspace(0, 1, 20)))
+    qn = Anderson(lambda r: wrong @ r, NewtonOptions(), keep=25)
+    b = np.random.default_rng(4).normal(size=20)
+    x, R = np.zeros(20), b.copy()
+    for _ in range(25):
+        u = qn.solve(R)
+        x = x + u
+        R1 = b - full @ x
+        qn.update(1.0, u, R, R1)
+        R = R1
+        if np.linalg.norm(R) < 1e-10 * np.linalg.norm(b):
+            break
+    assert np.linalg.norm(R) < 1e-8 * np.linalg.norm(b)
