@@ -13,7 +13,7 @@ from .group import ElementFailure, Group
 from .linear.base import LinearError
 from .linear.choose import choose
 from .newton import Counts, Iteration, Newton, NotConverged
-from .problem import Problem, Step
+from .problem import TRANSIENT, Problem, Step
 from .result import Result, Totals
 from .saving import wanted
 from .state import State
@@ -30,7 +30,8 @@ class Options:
     """threads 0: all processors this process may use; linear: auto, pardiso, superlu or dense.
 
     factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
-    it serves; "auto" reuses in large quasi-Newton runs whose saved times do not hang on iteration counts.
+    it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
+    (so that no saved time hangs on iteration counts).
     """
 
     threads: int = 0
@@ -171,8 +172,9 @@ class Run:
         assert self.system is not None
         if self.options.factor != "auto":
             return self.options.factor == "reuse"
-        pinned = self.step.auto is None or self.step.saving.level != "PLOT_MAJOR_ITRS"
-        return pinned and len(self.system.eqs.rows) >= REUSE_EQUATIONS
+        pinned = self.step.auto is not None and self.step.saving.level != "PLOT_MAJOR_ITRS"
+        transient = self.problem.biphasic and self.step.analysis == TRANSIENT
+        return pinned and transient and len(self.system.eqs.rows) >= REUSE_EQUATIONS
 
     def _initial_acceleration(self) -> None:
         """a0 = M^-1 f where external forces act at the start (FEBio's InitAccelerations)."""
