@@ -77,8 +77,11 @@ class _Bonds:
 
     def _reforming(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Floats:
         """1 - sum of the fractions of all generations but the last of ``count``."""
-        live = np.arange(gen.shape[1]) < (count - 1)[:, None]
-        return 1.0 - (self._weights(pts, gen, rate) * live).sum(1)
+        top = max(int(count.max(initial=0)) - 1, 0)
+        if top == 0:
+            return np.ones(pts.n)
+        live = np.arange(top) < (count - 1)[:, None]
+        return 1.0 - (self._weights(pts, gen[:, :top], rate) * live).sum(1)
 
     def _changed(self, F: Floats, gen: Floats, count: Floats) -> Floats:
         """Measure of the strain since the last generation, by ``trigger``."""
@@ -119,13 +122,15 @@ class _Bonds:
         rows = np.arange(pts.n)
         last = gen[rows, np.maximum(count - 1, 0).astype(int), _V]
         born = (count == 0) | (last < pts.t)
-        born &= self._reforming(pts, gen, count, rate) >= wmin
+        if wmin.any():
+            born &= self._reforming(pts, gen, count, rate) >= wmin
         born &= self._changed(pts.F, gen, count) > eps
         born &= ~self._slack(pts, strong)
         who = np.flatnonzero(born)
         if len(who):
             self._begin(pts, gen, count, rate, who)
-            self._cull(pts, gen, count, rate, who, wmin)
+            if wmin.any():
+                self._cull(pts, gen, count, rate, who, wmin)
         if pts.new is not None:
             pts.new[:, at] = count
             pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
