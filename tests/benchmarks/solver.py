@@ -1,0 +1,125 @@
+"""Time, memory and error of whole runs beside FEBio's recorded ones; memory of the factorisation.
+
+    python tests/benchmarks/solver.py [--models ../shared/oracle/bench] [--only tissue15_B cell_small]
+    python tests/benchmarks/solver.py --factor tissue25_B
+
+A model's folder holds ``models/*.feb``, ``reference/*.npz`` (FEBio's nodal u and p) and ``febio.json``
+(FEBio's seconds and peak memory on two threads). Prints a Markdown table; errors are relative, the
+largest over the stored states, against FEBio's run at its default tolerances.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve()
+DEFAULT = HERE.parents[2].parent / "shared" / "oracle" / "bench"
+
+
+def measured(model: Path, out: Path, threads: int) -> tuple[float, float, Path]:
+    """(seconds, peak MB, plotfile) of one `febkit run` in a process of its own."""
+    plot = out / f"{model.stem}.xplt"
+    command = [sys.executable, "-m", "febkit.cli.main", "run", str(model), "-p", str(plot), "-o", str(out / "log")]
+    start = time.perf_counter()
+    process = subprocess.Popen([*command, "-silent", "-t", str(threads)])
+    _, status, usage = os.wait4(process.pid, 0)
+    seconds = time.perf_counter() - start
+    if status:
+        raise SystemExit(f"{model}: febkit run ended with status {status}")
+    return seconds, usage.ru_maxrss / 1024, plot
+
+
+def errors(plot: Path, reference: Path) -> tuple[float, float]:
+    """Largest relative L2 errors of u and p over the states of the reference."""
+    import febkit
+
+    ref, ds = np.load(reference), febkit.open_results(plot)
+    u, p = ds["displacement"].values, ds["effective_fluid_pressure"].values
+    out = [0.0, 0.0]
+    floor = 1e-3 * np.nanmax(np.abs(ref["p"])) * np.sqrt(ref["p"].shape[1])
+    for i, t in enumerate(ref["times"]):
+        k = int(np.argmin(np.abs(ds["time"].values - t)))
+        out[0] = max(out[0], np.linalg.norm(u[k] - ref["u"][i]) / max(np.linalg.norm(ref["u"][i]), 1e-12))
+        out[1] = max(out[1], np.linalg.norm(np.nan_to_num(p[k] - ref["p"][i])) / max(np.linalg.norm(np.nan_to_num(ref["p"][i])), floor))
+    return out[0], out[1]
+
+
+def factor_memory(model: Path) -> None:
+    """Bytes and entries of LDL^T of the first tangent, and of LU of the same matrix in full storage."""
+    from scipy.sparse import csr_matrix, triu
+
+    import febkit
+    from febkit.lower import lower
+    from febkit.solver.group import Group
+    from febkit.solver.linear.base import Matrix
+    from febkit.solver.linear.pardiso import Pardiso
+    from febkit.solver.state import State
+    from febkit.solver.system import System
+    from febkit.solver.threads import Team
+
+    problem, team = lower(febkit.read(model)), Team(2)
+    state = State.at_rest(problem)
+    state.dt = state.time = problem.steps[0].dt
+    groups = [Group(b, problem.X, team) for b in problem.blocks]
+    system = System(problem, problem.steps[0], groups, state, team)
+    system.update()
+    A, _ = system.tangent(np.zeros(system.eqs.n))
+    upper = csr_matrix((A.data, A.indices, A.indptr), shape=(A.n, A.n))
+    both = (upper + triu(upper, 1).T).tocsr()
+    both.sort_indices()
+    full = Matrix(both.indptr.astype(np.int32), both.indices.astype(np.int32), both.data, False)
+    found = {}
+    for name, matrix in (("LDL^T", A), ("LU", full)):
+        solver = Pardiso(2)
+        start = time.perf_counter()
+        solver.factor(matrix)
+        analysis = time.perf_counter() - start
+        start = time.perf_counter()
+        solver.factor(matrix)
+        found[name] = solver.stats
+        print(
+            f"{name:6s} {A.n} equations, {solver.stats['factor_entries']:.4g} factor entries, "
+            f"{solver.stats['factor_kB'] / 1024:.0f} MB, analysis and first factor {analysis:.2f} s, "
+            f"factor {time.perf_counter() - start:.2f} s"
+        )
+        solver.close()
+    print(f"LDL^T / LU memory: {found['LDL^T']['factor_kB'] / found['LU']['factor_kB']:.2f}")
+
+
+def main() -> None:
+    ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    ap.add_argument("--models", type=Path, default=DEFAULT)
+    ap.add_argument("--only", nargs="*", default=["tissue15_B", "cell_small"])
+    ap.add_argument("--threads", type=int, default=2)
+    ap.add_argument("--factor", help="name of one model: measure its factorisation instead")
+    a = ap.parse_args()
+    if not a.models.is_dir():
+        raise SystemExit(f"{a.models}: no such folder; give --models")
+    if a.factor:
+        factor_memory(a.models / "models" / f"{a.factor}.feb")
+        return
+    febio = json.loads((a.models / "febio.json").read_text())
+    print("| model | elements | febkit s | FEBio s | ratio | febkit MB | FEBio MB | error of u | error of p |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in a.only:
+            s, mb, plot = measured(a.models / "models" / f"{name}.feb", Path(folder), a.threads)
+            eu, ep = errors(plot, a.models / "reference" / f"{name}.npz")
+            f = febio[name]
+            print(
+                f"| {name} | {f['elements']} | {s:.1f} | {f['seconds']:.1f} | {f['seconds'] / s:.1f} | {mb:.0f} | "
+                f"{f['peak_MB']} | {eu:.1e} | {ep:.1e} |", flush=True,
+            )  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
