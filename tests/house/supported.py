@@ -1,0 +1,44 @@
+"""The lists of the README, from the tables the solver itself looks into. ``--write`` renews them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+README = Path(__file__).parents[2] / "README.md"
+START, END = "<!-- supported: start -->", "<!-- supported: end -->"
+
+
+def lists() -> str:
+    """Markdown of what the solver knows."""
+    from febkit.lower.conditions import READERS
+    from febkit.solver import elements, loads, permeabilities, supplies
+    from febkit.solver.solids.registry import tables
+
+    rows = {
+        "solids": sorted(tables()["solid"]),
+        "permeabilities": sorted(permeabilities.TYPES),
+        "solvent supplies": sorted(supplies.TYPES),
+        "loads": sorted(loads.TYPES),
+        "boundary conditions": sorted(READERS),
+        "elements": list(elements.VOLUMES),
+        "shells": [s.removeprefix("shell_") for s in elements.SHELLS],
+    }
+    out = ["| | |", "|---|---|"]
+    out += [f"| {name} ({len(items)}) | {', '.join(items)} |" for name, items in rows.items()]
+    return "\n".join(out)
+
+
+def renewed(text: str) -> str:
+    """The README with its lists as they should be."""
+    head, rest = text.split(START)
+    _, tail = rest.split(END)
+    return f"{head}{START}\n{lists()}\n{END}{tail}"
+
+
+if __name__ == "__main__":
+    new = renewed(README.read_text())
+    if "--write" in sys.argv:
+        README.write_text(new)
+    else:
+        print(lists())

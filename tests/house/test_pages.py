@@ -1,0 +1,61 @@
+"""The pages keep true: what CONTRIBUTING names exists, the README's lists and commands are current."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(Path(__file__).parent))
+import supported
+
+TABLES = {
+    "solids": "solver/solids", "permeabilities": "solver/permeabilities", "supplies": "solver/supplies",
+    "loads": "solver/loads",
+}  # fmt: skip
+
+
+def test_files_named_in_contributing_exist() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    named = [p for p in re.findall(r"`([\w./<>-]+(?:\.py|\.toml|\.feb|/))`", text) if "<" not in p]
+    assert len(named) > 10
+    homes = (ROOT, ROOT / "solver" / "solids", ROOT / "templates" / "tissue")
+    assert [p for p in named if not any((home / p).exists() for home in homes)] == []
+
+
+@pytest.mark.parametrize("folder", TABLES.values(), ids=TABLES)
+def test_every_type_is_registered_at_the_foot_of_its_file(folder: str) -> None:
+    """'Write the file, end it with register, enter it in the table' is all it takes."""
+    from febkit.solver import loads, permeabilities, supplies
+    from febkit.solver.solids.registry import tables
+
+    if folder.endswith("solids"):
+        entries = {kind: at.split(":")[0] for kind, at in tables()["solid"].items()}
+    else:
+        module = {"loads": loads, "permeabilities": permeabilities, "supplies": supplies}[folder.rpartition("/")[2]]
+        entries = dict(module.TYPES)
+    assert entries
+    for kind, name in entries.items():
+        source = (ROOT / folder / f"{name}.py").read_text()
+        assert re.search(r"register\(", source.rstrip().rsplit("\n\n", 1)[-1]), f"{kind}: {name}.py"
+
+
+def test_the_readme_lists_what_the_solver_knows() -> None:
+    text = (ROOT / "README.md").read_text()
+    assert supported.renewed(text) == text, "run: python tests/house/supported.py --write"
+
+
+def test_the_readme_lists_every_verb() -> None:
+    from febkit.cli.main import VERBS
+
+    text = (ROOT / "README.md").read_text()
+    assert [v for v in VERBS if f"| `febkit {v}`" not in text] == []
+
+
+def test_files_the_readme_names_exist() -> None:
+    text = (ROOT / "README.md").read_text()
+    named = re.findall(r"(?:examples|docs)/[\w./-]+\.\w+", text)
+    assert named and [p for p in named if not (ROOT / p).exists() and not p.endswith((".xplt", ".log"))] == []
