@@ -55,16 +55,15 @@ def carry_out(plan: Plan, scheduler: str = "local", progress: Progress | None = 
                scheduler such as "tcp://host:8786" whose workers see the study's folder
     """
     store = Store(plan.study.folder.resolve())
-    store.root.mkdir(parents=True, exist_ok=True)
-    store.sweep()
-    needed = plan.needed(store)
-    summary = Summary(reused=len(plan.steps()) - len(needed))
-    outcomes = _serial(store, needed) if scheduler == "serial" else _dask(plan, store, needed, scheduler)
-    for outcome in outcomes:
-        summary.add(outcome)
-        if progress is not None:
-            count = len(summary.done) + len(summary.failed) + len(summary.skipped)
-            progress(count, len(needed), outcome)
+    with store.alone():
+        needed = plan.needed(store)
+        summary = Summary(reused=len(plan.steps()) - len(needed))
+        outcomes = _serial(store, needed) if scheduler == "serial" else _dask(plan, store, needed, scheduler)
+        for outcome in outcomes:
+            summary.add(outcome)
+            if progress is not None:
+                count = len(summary.done) + len(summary.failed) + len(summary.skipped)
+                progress(count, len(needed), outcome)
     return summary
 
 

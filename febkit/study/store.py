@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import socket
 import tempfile
 import time
 from collections.abc import Iterator
@@ -12,6 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from febkit.model import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +78,35 @@ class Store:
         (self.path(key) / "step.json").unlink(missing_ok=True)
         shutil.rmtree(self.path(key), ignore_errors=True)
 
-    def sweep(self) -> None:
-        """Remove what interrupted steps left behind. For the start of a run, when nothing is at work."""
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """One run at a time; what an interrupted one left behind is removed first.
+
+        Raises InputError where another run is at work here.
+        """
+        self.root.mkdir(parents=True, exist_ok=True)
+        lock, mine = self.root / "running", f"{socket.gethostname()} {os.getpid()}"
+        if lock.is_file() and _alive(*lock.read_text().split()):
+            raise InputError(
+                f"another run is at work in {self.root} (host and process {lock.read_text()}); "
+                f"wait for it, or remove {lock} if it is gone"
+            )
+        lock.write_text(mine)
         shutil.rmtree(self.root / "making", ignore_errors=True)
+        try:
+            yield
+        finally:
+            lock.unlink(missing_ok=True)
+
+
+def _alive(host: str, pid: str) -> bool:
+    """True where the process may still run: on another host that cannot be told."""
+    if host != socket.gethostname():
+        return True
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -162,6 +163,15 @@ def test_two_workers_at_one_step_keep_one_result(tmp_path):
         (two / "x").write_text("2")
     assert store.has("ab12") and store.record("ab12")["n"] == 2  # the inner one finished first
     assert len(list((tmp_path / "store" / "ab").iterdir())) == 1
+
+
+def test_one_run_at_a_time(tmp_path, pretended):
+    p = plan_of(tmp_path)
+    store = Store(p.study.folder)
+    with store.alone(), pytest.raises(InputError, match="another run"):
+        study.carry_out(p, "serial")
+    (store.root / "running").write_text(f"{socket.gethostname()} 999999999")  # one that was killed
+    assert study.carry_out(p, "serial").complete
 
 
 def test_workers_fit_the_machine(monkeypatch):
