@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from febkit.solver.points import Points
 from febkit.solver.solids import axes
 from febkit.solver.solids.base import evaluate
@@ -90,7 +91,9 @@ def test_radial_directions():
 
 def test_own_axes_turn_with_those_above():
     """A fiber along e1 of its own axes, within axes of the mixture, within axes of the element."""
-    Qe, Qm, Qf = (axes.vector_axes(a, d).Q for a, d in (((1, 1, 0), (0, 1, 0)), ((0, 1, 1), (1, 0, 0)), ((1, 2, 3), (0, 0, 1))))
+    Qe = axes.vector_axes((1, 1, 0), (0, 1, 0)).Q
+    Qm = axes.vector_axes((0, 1, 1), (1, 0, 0)).Q
+    Qf = axes.vector_axes((1, 2, 3), (0, 0, 1)).Q
     F = np.eye(3)[None] + 0.1 * np.random.default_rng(3).uniform(-1, 1, (3, 3, 3))
     fiber = load("solid", "fiber-NH")
     nested = load("solid", "solid mixture")(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from febkit.solver.points import Points
 from febkit.solver.solids import history
 from febkit.solver.solids.base import evaluate
