@@ -9,7 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import TRANSIENT, Block, Fixed, Mixture, NewtonOptions, P, Prescribed, Problem, Step
+from febkit.solver.problem import (
+    TRANSIENT,
+    Block,
+    Fixed,
+    Mixture,
+    NewtonOptions,
+    P,
+    Prescribed,
+    Problem,
+    Step,
+)
 from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.values import Constant, Scaled

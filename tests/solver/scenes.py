@@ -9,7 +9,19 @@ import numpy as np
 
 from febkit.solver import elements
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import TRANSIENT, UX, UZ, Block, Fixed, Mixture, NewtonOptions, P, Prescribed, Problem, Step
+from febkit.solver.problem import (
+    TRANSIENT,
+    UX,
+    UZ,
+    Block,
+    Fixed,
+    Mixture,
+    NewtonOptions,
+    P,
+    Prescribed,
+    Problem,
+    Step,
+)
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.values import Constant, Expression, Map, Scaled
 

@@ -11,8 +11,19 @@ import pytest
 
 from febkit.solver.linear.base import Matrix
 from febkit.solver.linear.krylov import gmres, matvec
-from febkit.solver.problem import TRANSIENT, UX, UY, UZ, Fixed, Mixture, NewtonOptions, P, Prescribed
-from febkit.solver.problem import Problem, Step
+from febkit.solver.problem import (
+    TRANSIENT,
+    UX,
+    UY,
+    UZ,
+    Fixed,
+    Mixture,
+    NewtonOptions,
+    P,
+    Prescribed,
+    Problem,
+    Step,
+)
 from febkit.solver.quasi_newton import Anderson
 from febkit.solver.run import Options, run
 from febkit.solver.solids.neo_hookean import NeoHookean
