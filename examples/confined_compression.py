@@ -45,7 +45,8 @@ def problem(n: int, dt: float) -> Problem:
     step = Step(analysis=TRANSIENT, dt=dt, count=round(2.0 / dt), newton=NewtonOptions(symmetric=True))
     step.conditions = [Fixed(0, np.arange(len(X))), Fixed(1, np.arange(len(X))), Fixed(2, bottom),
                        Prescribed(2, top, move), Fixed(P, top)]  # fmt: skip
-    block = Block("column", "hex8", conn, np.arange(1, n + 1), IsotropicElastic(E, V), Mixture(ConstIso(K), Constant(0.2)))
+    mixture = Mixture(ConstIso(K), Constant(0.2))
+    block = Block("column", "hex8", conn, np.arange(1, n + 1), IsotropicElastic(E, V), mixture)
     return Problem(X, [block], [step])
 
 

@@ -48,7 +48,7 @@ def test_converting_does_not_import_numba(tmp_path: Path) -> None:
 
 def test_a_new_model_does_not_import_numba(tmp_path: Path) -> None:
     out = tmp_path / "t.feb"
-    args = ["new", "tissue", "--set", "n=2", "-o", str(out)]
+    args = ["new", "tissue", "--set", "n=3", "-o", str(out)]
     assert _loaded(args, ("numba", "llvmlite", "matplotlib", "dask")) == set()
 
 

@@ -153,7 +153,7 @@ def _sphere(n: int, layers: int, dt: float, v: float = 0.0) -> tuple[Any, Any]:
     outer = np.unique(quads)
     conditions: list[Any] = [Fixed(c, np.flatnonzero(X[:, c] < 1e-9)) for c in range(3)] + [Fixed(P, outer)]
     newton = scenes.tight(dtol=1e-7, ptol=1e-7, min_residual=1e-30)
-    step = Step(analysis=TRANSIENT, dt=dt, count=int(round(0.25 / dt)), newton=newton, conditions=conditions)
+    step = Step(analysis=TRANSIENT, dt=dt, count=round(0.25 / dt), newton=newton, conditions=conditions)
     step.loads = [Pressure(patches({"quad4": quads}, X), pressure=load, linear=True)]
     c = 1.0 * (1 - v) / ((1 + v) * (1 - 2 * v))
     block = scenes.block("hex8", conn, IsotropicElastic(1.0, v), Mixture(ConstIso(1.0 / c)))
