@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -39,7 +40,7 @@ def library() -> ctypes.CDLL | None:
     for p in _candidates():
         try:
             lib = ctypes.CDLL(str(p))
-            lib.pardiso
+            _ = lib.pardiso
         except (OSError, AttributeError):
             continue
         return lib
@@ -140,7 +141,5 @@ class Pardiso:
         self._pt[:] = 0
 
     def __del__(self) -> None:
-        try:
+        with suppress(Exception):  # interpreter shutdown
             self.close()
-        except Exception:
-            pass
