@@ -167,7 +167,7 @@ class Group:
         D2 = (D * D * twice).sum(axis=-1)
         power = (self.s * D * twice).sum(axis=-1)
         gap = (W[1] - W[0]) / (dt * self.J) - power
-        moving = D2 > np.finfo(float).eps
+        moving = D2 > np.finfo(float).eps  # noqa: SIM300
         self.s += D * np.where(moving, gap / np.where(moving, D2, 1.0), 0.0)[..., None]
 
     def _update_chunk(self, c: Chunk, state: State, drive: list | None) -> None:
