@@ -73,7 +73,7 @@ def _principal(field: Callable[[fields.Group], Floats | None]) -> Callable[[fiel
         if v is None:
             return None
         T = v[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
-        return np.linalg.eigvalsh(T)[:, ::-1]
+        return np.asarray(np.linalg.eigvalsh(T)[:, ::-1], dtype=float)
 
     return values
 
@@ -114,7 +114,7 @@ class LogDataListener(Listener):
             values = SOURCES[entry.kind](run)
             columns = [values[x.strip()]() for x in entry.data.split(";")]
             ids, rows = self._rows(run, entry)
-            file.write(f"*Step  = {run.totals.steps}\n*Time  = {run.state.time:.9g}\n*Data  = {entry.name or entry.data}\n")
+            file.write(f"*Step  = {run.totals.steps}\n*Time  = {run.state.time:.9g}\n*Data  = {entry.name or entry.data}\n")  # noqa: E501
             table = np.column_stack(columns)[rows]
             d = entry.delim or " "
             file.writelines(f"{i}{d}{d.join(f'{v:.9g}' for v in row)}\n" for i, row in zip(ids, table))

@@ -41,7 +41,7 @@ def gmres(
         H[k + 1, k] = np.sqrt(dot(w, w))
         e = np.zeros(k + 2)
         e[0] = beta
-        best = np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0]
+        best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
         error = float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best)) / beta
         if error < tolerance or H[k + 1, k] == 0.0:
             break
