@@ -93,7 +93,7 @@ class Run:
         reason, interrupted = "", False
         try:
             self._set_up()
-            for self.index in range(len(self.problem.steps)):
+            for self.index in range(len(self.problem.steps)):  # noqa: B020
                 reason = self._analysis()
                 if reason:
                     break
@@ -144,7 +144,7 @@ class Run:
         self.system = System(self.problem, step, self.groups, s, self.team)
         reuse, rows = self._reuse(), len(self.system.eqs.rows)
         newton = Newton(
-            self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,
+            self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,  # noqa: E501
         )  # fmt: skip
         self.totals.linear_solver = newton.solver.name
         for load in step.loads:

@@ -59,7 +59,7 @@ def vector(ctx: Context, leaf: Component) -> tuple[Value, Value, Value]:
     """A vector parameter: numbers or three formulas, times its load controller."""
     kind = leaf.type or "const"
     if kind == "math":
-        parts = [x for x in leaf.text.split(",")]
+        parts = [x for x in leaf.text.split(",")]  # noqa: C416
         if len(parts) != 3:
             raise InputError(f"<{leaf.tag}> must be three formulas separated by commas", leaf.where)
         base: list[Value] = [ctx.formula(x, leaf) for x in parts]

@@ -21,7 +21,7 @@ from .context import Context
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
-OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_field", "but4", "secant_stress", "secant_tangent"})
+OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_field", "but4", "secant_stress", "secant_tangent"})  # noqa: E501
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis"})
 
@@ -90,7 +90,7 @@ def _formulation(ctx: Context, d: Domain, block: Block) -> None:
         if options.child("elem_type") is not None and options.str("elem_type"):
             from febkit.solver import elements
 
-            name, rule, _ = elements.from_spec(options.str("elem_type"))
+            name, rule, _ = elements.from_spec(options.str("elem_type"))  # noqa: RUF059
             block.rule = rule
     can = block.element in THREE_FIELD and block.solid.uncoupled and block.mixture is None
     three = d.type == "three-field-solid" or (can and d.type in (None, ""))
@@ -101,7 +101,7 @@ def _formulation(ctx: Context, d: Domain, block: Block) -> None:
 
 
 def _mixture(ctx: Context, spec: Component, part: str) -> Mixture:
-    ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "density", "mat_axis"})
+    ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "density", "mat_axis"})  # noqa: E501
     if spec.float("tau", 0.0):
         ctx.refuse("<tau> (flux relaxation) of a biphasic material", spec.need("tau").where)
     perm = _law(ctx, spec.need("permeability"), permeabilities, part)
@@ -152,10 +152,11 @@ def _defaults(cls: Any) -> dict[str, Any]:
 
 def record(ctx: Context, spec: Component, table: str, part: str) -> Any:
     """The record of a material or of a property of one; None where it is refused."""
-    if spec.type is None or not registry.known(table, spec.type):
-        ctx.refuse(f'<{spec.tag} type="{spec.type}">', spec.where)
+    kind = spec.type or spec.tag  # a child without a type is of the one its tag names
+    if not registry.known(table, kind):
+        ctx.refuse(f'<{spec.tag} type="{kind}">', spec.where)
         return None
-    cls = registry.load(table, spec.type)
+    cls = registry.load(table, kind)
     refusals = len(ctx.refused)
     fields: dict[str, Any] = {}
     for c in spec:
@@ -192,7 +193,7 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
         fields.setdefault(name, []).append(_child(ctx, c, cls.properties[name], part))
     elif name in cls.parameters:
         default = _defaults(cls).get(name)
-        fields[name] = _numbers(ctx, c, len(default)) if isinstance(default, tuple) else ctx.value(c, maps=part)
+        fields[name] = _numbers(ctx, c, len(default)) if isinstance(default, tuple) and c.type != "map" else ctx.value(c, maps=part)  # noqa: E501
     elif name in cls.options:
         fields[name] = _option(c)
     elif c.tag == "density" and hasattr(cls, "density_"):

@@ -45,7 +45,7 @@ class LogListener(Listener):
         assert system is not None
         self.write(f"\nstep {run.index + 1}{f' ({s.name})' if s.name else ''}: {s.analysis}\n")
         self.write(f"\tNr of equations ........................... : {len(system.eqs.rows)}\n")
-        self.write(f"\tstiffness matrix .......................... : {'symmetric' if system.symmetric else 'unsymmetric'}\n")
+        self.write(f"\tstiffness matrix .......................... : {'symmetric' if system.symmetric else 'unsymmetric'}\n")  # noqa: E501
         self.write(f"\tlinear solver ............................. : {run.totals.linear_solver}\n")
 
     def begin_step(self, run: Run, number: int, time: float) -> None:

@@ -49,7 +49,7 @@ def errors(plot: Path, reference: Path) -> tuple[float, float]:
     for i, t in enumerate(ref["times"]):
         k = int(np.argmin(np.abs(ds["time"].values - t)))
         out[0] = max(out[0], np.linalg.norm(u[k] - ref["u"][i]) / max(np.linalg.norm(ref["u"][i]), 1e-12))
-        out[1] = max(out[1], np.linalg.norm(np.nan_to_num(p[k] - ref["p"][i])) / max(np.linalg.norm(np.nan_to_num(ref["p"][i])), floor))
+        out[1] = max(out[1], np.linalg.norm(np.nan_to_num(p[k] - ref["p"][i])) / max(np.linalg.norm(np.nan_to_num(ref["p"][i])), floor))  # noqa: E501
     return out[0], out[1]
 
 
