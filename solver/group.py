@@ -52,7 +52,7 @@ class Chunk:
 class Group:
     """Element arrays of one block. m elements, g integration points, n nodes per element."""
 
-    def __init__(self, block: Block, X: Floats, team: Team, chunk: int = 128) -> None:
+    def __init__(self, block: Block, X: Floats, team: Team, chunk: int = 256) -> None:
         self.block, self.team = block, team
         e = elements.get(block.element, block.rule)
         self.element = e

@@ -222,7 +222,7 @@ class Newton:
     def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
         """Step length s with |u . R(s)| < lstol |u . R(0)| (FEBio's cubic of the energy), and R there."""
         o = self.options
-        if o.line_tolerance <= 0:
+        if o.line_tolerance <= 0 or self._stale:  # multisecant directions are no descent directions
             self._move(u)
             return 1.0, self._residual()
         s = best = 1.0

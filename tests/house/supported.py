@@ -12,11 +12,12 @@ START, END = "<!-- supported: start -->", "<!-- supported: end -->"
 def lists() -> str:
     """Markdown of what the solver knows."""
     from febkit.lower.conditions import READERS
+    from febkit.lower.materials import UNPROVEN
     from febkit.solver import elements, loads, permeabilities, supplies
     from febkit.solver.solids.registry import tables
 
     rows = {
-        "solids": sorted(tables()["solid"]),
+        "solids": sorted(set(tables()["solid"]) - UNPROVEN),
         "permeabilities": sorted(permeabilities.TYPES),
         "solvent supplies": sorted(supplies.TYPES),
         "loads": sorted(loads.TYPES),
