@@ -9,20 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import elements
-from .kernels import biphasic, pattern, solid, three_field
+from .kernels import biphasic, solid
 from .law import PoreCollapse
-from .pattern import Pattern
 from .points import Points
 from .problem import Block
 from .solids import history
 from .state import State
-from .threads import Team
 
 Floats = NDArray[np.float64]
 _NONE = np.zeros((0, 0))
@@ -46,14 +43,13 @@ class Chunk:
     lo: int
     hi: int
     points: Points
-    thread: int
 
 
 class Group:
     """Element arrays of one block. m elements, g integration points, n nodes per element."""
 
-    def __init__(self, block: Block, X: Floats, team: Team, chunk: int = 256) -> None:
-        self.block, self.team = block, team
+    def __init__(self, block: Block, X: Floats, chunk: int = 256) -> None:
+        self.block = block
         e = elements.get(block.element, block.rule)
         self.element = e
         self.N, self.dN = np.ascontiguousarray(e.N), np.ascontiguousarray(e.dN)
@@ -77,7 +73,6 @@ class Group:
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
         self.chunks = self._cut(chunk)
         self.set_history(history.initial(block.solid, m * g))
-        self.lock = Lock()
 
     def _axes(self) -> Floats | None:
         Q = self.block.axes
@@ -87,14 +82,13 @@ class Group:
 
     def _cut(self, size: int) -> list[Chunk]:
         F, J, g, Q = self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.g, self._axes()
-        out = []
-        for thread, (a, b) in enumerate(self.team.ranges(self.m)):
-            for lo in range(a, b, size):
-                hi = min(lo + size, b)
-                q = slice(lo * g, hi * g)
-                pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
-                pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
-                out.append(Chunk(lo, hi, pts, thread))
+        pieces, out = max(1, -(-self.m // size)), []
+        for i in range(pieces):
+            lo, hi = self.m * i // pieces, self.m * (i + 1) // pieces
+            q = slice(lo * g, hi * g)
+            pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
+            pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
+            out.append(Chunk(lo, hi, pts))
         return out
 
     def points(self) -> Points:
@@ -110,16 +104,8 @@ class Group:
             q = slice(c.lo * self.g, c.hi * self.g)
             c.points.old, c.points.new = self.old[q], self.new[q]
 
-    def _by_thread(self) -> list[list[Chunk]]:
-        out: list[list[Chunk]] = []
-        for c in self.chunks:
-            while len(out) <= c.thread:
-                out.append([])
-            out[c.thread].append(c)
-        return out
-
     @contextmanager
-    def _named(self) -> Iterator[None]:
+    def named(self) -> Iterator[None]:
         """Say which element of which part a law failed in."""
         try:
             yield
@@ -127,25 +113,13 @@ class Group:
             raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
 
     # ---- update -----------------------------------------------------------------------------------
-    def update(self, state: State, x: Floats, drive: list | None = None) -> None:
-        """Kinematics and stresses at positions x (node, 3). Raises NegativeJacobian."""
-        groups = self._by_thread()
-
-        def work(i: int) -> int:
-            first = -1
-            for c in groups[i]:
-                bad = solid.kinematics(c.lo, c.hi, x, self.conn, self.dN, self.iJ0, self.F, self.J)
-                if bad >= 0:
-                    first = bad if first < 0 else first
-                    continue
-                if first < 0:
-                    with self._named():
-                        self._update_chunk(c, state, drive)
-            return first
-
-        bad = [b for b in self.team.map(work, len(groups)) if b >= 0]
-        if bad:
-            raise NegativeJacobian(int(self.block.ids[min(bad)]), self.block.name)
+    def update(self, c: Chunk, state: State, x: Floats, drive: list | None = None) -> None:
+        """Kinematics and stresses of a chunk at positions x (node, 3). Raises NegativeJacobian."""
+        bad = solid.kinematics(c.lo, c.hi, x, self.conn, self.dN, self.iJ0, self.F, self.J)
+        if bad >= 0:
+            raise NegativeJacobian(int(self.block.ids[bad]), self.block.name)
+        with self.named():
+            self._update_chunk(c, state, drive)
 
     def conserve(self, x: Floats, x_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
@@ -203,7 +177,7 @@ class Group:
             c.lo, c.hi, self.conn, self.N, self.dN, self.iJ0, self.F, self.J,
             np.ascontiguousarray(state.d[:, 3]), self.pg, self.gp,
         )  # fmt: skip
-        k = self._permeability(c)[0]
+        k = self.permeability(c)[0]
         b = np.zeros((0, 3)) if not drive else self._drive(c, drive)
         biphasic.flux(c.lo, c.hi, k, self.gp, b, self.w)
         if mix.supply is not None:
@@ -219,7 +193,7 @@ class Group:
             b += load.force(c.points)
         return b * mix.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
 
-    def _permeability(self, c: Chunk, tangent: bool = False) -> tuple[Floats, Floats | None]:
+    def permeability(self, c: Chunk, tangent: bool = False) -> tuple[Floats, Floats | None]:
         mix, pts = self.block.mixture, c.points
         assert mix is not None
         k = np.zeros((pts.n, 6))
@@ -228,82 +202,29 @@ class Group:
         mix.permeability.permeability(pts, phi, k, dk)
         return k, dk
 
+    def supply_tangent(self, c: Chunk) -> tuple[Floats, Floats, Floats]:
+        """Solvent supply of a chunk's points, and its derivatives by strain and pressure."""
+        mix, pts = self.block.mixture, c.points
+        assert mix is not None and mix.supply is not None
+        rate, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
+        mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), rate, dE, dp)
+        return rate, dE, dp
+
+    def dilatation_modulus(self, c: Chunk) -> Floats:
+        """Bulk modulus (element,) of a three-field chunk, with the multiplier's share."""
+        e = slice(c.lo, c.hi)
+        return self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+
     # ---- residual ---------------------------------------------------------------------------------
-    def residual(self, state: State, R: list[Floats], steady: bool) -> None:
-        """Subtract internal forces from R[thread] (node, column)."""
-        groups = self._by_thread()
-
-        def work(i: int) -> None:
-            lo, hi = groups[i][0].lo, groups[i][-1].hi
-            if self.block.mixture is None:
-                solid.internal_force(
-                    lo, hi, self.conn, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.s, R[i]
-                )
-            else:
-                biphasic.internal_force(
-                    lo, hi, self.conn, self.N, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.Jp,
-                    self.s, self.pg, self.w, self.supply, state.dt, steady, R[i],
-                )  # fmt: skip
-
-        self.team.map(work, len(groups))
-
-    # ---- tangent ----------------------------------------------------------------------------------
-    def tangent(self, state: State, pat: Pattern, data: Floats, step: Floats, Fd: Floats, steady: bool) -> None:
-        """Add element tangents to the matrix values ``data`` and the prescribed columns to Fd."""
-        groups, back = self._by_thread(), pat.back(self)
-
-        def work(i: int) -> None:
-            size = max(c.hi - c.lo for c in groups[i])
-            nd = self.n * self.columns
-            K, s = np.empty((size, nd, nd)), np.empty((size * self.g, 6))
-            C = np.empty((size * self.g, 6, 6))
-            for c in groups[i]:
-                with self._named():
-                    self._chunk_tangent(c, state, s, C, K, steady)
-                with self.lock:
-                    pattern.scatter(
-                        c.lo, c.hi, K, self.conn, back, pat.eq, pat.free, pat.lead, pat.indptr, data,
-                        step, Fd, pat.symmetric,
-                    )  # fmt: skip
-
-        self.team.map(work, len(groups))
-
-    def _chunk_tangent(self, c: Chunk, state: State, s: Floats, C: Floats, K: Floats, steady: bool) -> None:
-        q = (c.hi - c.lo) * self.g
-        s, C = s[:q], C[:q]
-        s[:], C[:] = 0.0, 0.0
-        pts = c.points
-        pts.t, pts.dt = state.time, state.dt
-        se, Ce = s.reshape(-1, self.g, 6), C.reshape(-1, self.g, 6, 6)
-        geometry = (self.dN, self.iJ0, self.wJ0, self.F, self.J)
-        if self.block.formulation == "three-field":
-            self._three_field_tangent(c, s, C, K, geometry)
-            return
-        self.block.solid.stress(pts, s, C)
-        mix = self.block.mixture
-        if mix is None:
-            solid.stiffness(c.lo, c.hi, *geometry, se, Ce, K)
-            return
-        k, dk = self._permeability(c, tangent=True)
-        biphasic.stiffness(c.lo, c.hi, self.N, *geometry, se, Ce, self.pg, k, state.dt, steady, K)
-        if dk is not None:
-            biphasic.permeability_coupling(c.lo, c.hi, *geometry, self.gp, dk, state.dt, K)
-        if mix.supply is not None:
-            rate, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
-            mix.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), rate, dE, dp)
-            biphasic.supply_coupling(c.lo, c.hi, self.N, *geometry, rate, dE, dp, state.dt, K)
-
-    def _three_field_tangent(self, c: Chunk, s: Floats, C: Floats, K: Floats, geometry: tuple) -> None:
-        law, e = self.block.solid, slice(c.lo, c.hi)
-        law.dev(c.points, s, C)  # type: ignore[attr-defined]
-        p = np.repeat(self.ep[e], self.g)
-        s[:, :3] += p[:, None]
-        C[:, :3, :3] += p[:, None, None] * (1.0 - 2.0 * np.eye(3))
-        C[:, [3, 4, 5], [3, 4, 5]] -= p[:, None]
-        se, Ce = s.reshape(-1, self.g, 6), C.reshape(-1, self.g, 6, 6)
-        solid.stiffness(c.lo, c.hi, *geometry, se, Ce, K)
-        k = self._of_mean(law.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
-        three_field.dilatation(c.lo, c.hi, *geometry, np.ascontiguousarray(k), K)
+    def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
+        """Subtract internal forces of elements lo:hi from R (node, column)."""
+        if self.block.mixture is None:
+            solid.internal_force(lo, hi, self.conn, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.s, R)
+        else:
+            biphasic.internal_force(
+                lo, hi, self.conn, self.N, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.Jp,
+                self.s, self.pg, self.w, self.supply, state.dt, steady, R,
+            )  # fmt: skip
 
     # ---- steps ------------------------------------------------------------------------------------
     def begin_step(self, state: State) -> None:

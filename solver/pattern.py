@@ -13,6 +13,7 @@ from .problem import Fixed, Prescribed
 
 if TYPE_CHECKING:
     from .group import Group
+    from .schedule import Schedule
 
 Ints = NDArray[np.int32]
 INACTIVE, FREE, HELD, GIVEN = -1, 0, 1, 2  # what becomes of a nodal unknown
@@ -54,9 +55,15 @@ class Equations:
 class Pattern:
     """Compressed rows of the tangent for groups of elements and extra node cliques (loads, contact)."""
 
-    def __init__(self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool) -> None:
+    def __init__(
+        self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool, schedule: Schedule
+    ) -> None:
         self.eqs, self.symmetric = eqs, symmetric
-        self.eq, self.free, self.lead = eqs.eq, eqs.free, eqs.lead
+        self.lead, self.size = eqs.lead, eqs.size
+        # matrix row of each nodal unknown, and equation of each prescribed one; -1 for the others
+        at = np.where(eqs.eq >= 0, eqs.free[eqs.eq], -1) if eqs.n else eqs.eq
+        self.row = np.ascontiguousarray(at, dtype=np.int32)
+        self.given = np.where(self.row < 0, eqs.eq, -1).astype(np.int32)
         nn = len(eqs.kind)
         conn = self._stack([g.conn for g in groups] + [np.asarray(c, np.int32) for c in cliques])
         ptr, elems = self._incidence(conn, nn)
@@ -66,7 +73,11 @@ class Pattern:
         kernels.node_graph(ptr, elems, conn, symmetric, first, False, nbr)
         self._first, self._nbr = first, nbr
         self._rows(first, nbr, nn)
-        self._back: dict[int, NDArray[np.int32]] = {}
+        self._back: dict[int, NDArray[np.int32]] = {id(g): self._offsets(g) for g in groups}
+        self._contended = schedule.contended(groups, nn)
+        for g in groups:
+            # prescribed columns go to the right side, which has no owner among the threads
+            self._contended[id(g)] |= (self.given[g.conn] >= 0).any(axis=(1, 2))
 
     @staticmethod
     def _stack(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
@@ -110,14 +121,18 @@ class Pattern:
         end = np.repeat(total[first[1:]], np.diff(first))
         self._tail = (end - total[:-1]).astype(np.int32)
 
+    def _offsets(self, group: Group) -> NDArray[np.int32]:
+        out = np.empty((group.m, group.n, group.n), np.int32)
+        kernels.pair_offsets(self._first, self._nbr, self._tail, group.conn, out)
+        return out
+
     def back(self, group: Group) -> NDArray[np.int32]:
         """Offsets of a group's node pairs from the row ends."""
-        key = id(group)
-        if key not in self._back:
-            out = np.empty((group.m, group.n, group.n), np.int32)
-            kernels.pair_offsets(self._first, self._nbr, self._tail, group.conn, out)
-            self._back[key] = out
-        return self._back[key]
+        return self._back[id(group)]
+
+    def contended(self, group: Group) -> NDArray[np.bool_]:
+        """Elements of a group whose entries more than one thread may add to."""
+        return self._contended[id(group)]
 
     def matrix(self) -> Matrix:
         """A zero matrix of this pattern (the pattern arrays are shared)."""

@@ -16,6 +16,7 @@ from .newton import Counts, Iteration, Newton, NotConverged
 from .problem import TRANSIENT, Problem, Step
 from .result import Result, Totals
 from .saving import wanted
+from .schedule import Schedule, chunk_size
 from .state import State
 from .stepping import FixedSteps, stepper
 from .system import System
@@ -110,7 +111,9 @@ class Run:
         return result
 
     def _set_up(self) -> None:
-        self.groups = [Group(b, self.problem.X, self.team) for b in self.problem.blocks]
+        size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
+        self.groups = [Group(b, self.problem.X, size) for b in self.problem.blocks]
+        self.schedule = Schedule(self.groups, self.team)
         self._initial(self.problem.common)
         self.tell("start")
         if len(self.problem.steps) == 1:
@@ -132,7 +135,8 @@ class Run:
         if step.auto is not None or step.saving.range[0] == 0 or step.saving.zero:
             for g in self.groups:
                 if g.block.mixture is not None:
-                    g.update(self.state, self.state.x, [])
+                    for c in g.chunks:
+                        g.update(c, self.state, self.state.x, [])
             self._hand_over(0)
 
     def _analysis(self) -> str:
@@ -141,7 +145,7 @@ class Run:
         self._initial(step)
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
-        self.system = System(self.problem, step, self.groups, s, self.team)
+        self.system = System(self.problem, step, self.groups, s, self.schedule)
         reuse, rows = self._reuse(), len(self.system.eqs.rows)
         newton = Newton(
             self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,  # noqa: E501

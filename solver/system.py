@@ -12,8 +12,9 @@ from .kernels.pattern import scatter_any
 from .linear.base import Matrix
 from .pattern import Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
+from .schedule import Schedule, Share
 from .state import State
-from .threads import Team
+from .tangent import Target, Workspace, add_chunk
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +26,10 @@ class System:
     a residual and of an increment is zero.
     """
 
-    def __init__(self, problem: Problem, step: Step, groups: list[Group], state: State, team: Team) -> None:
-        self.problem, self.step, self.groups, self.state, self.team = problem, step, groups, state, team
+    def __init__(
+        self, problem: Problem, step: Step, groups: list[Group], state: State, schedule: Schedule
+    ) -> None:
+        self.problem, self.step, self.groups, self.state, self.schedule = problem, step, groups, state, schedule
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
@@ -36,7 +39,8 @@ class System:
         self._begin_conditions()
         self.symmetric = self._symmetric()
         self._pattern: Pattern | None = None
-        self._R = [np.zeros_like(state.d) for _ in range(team.n)]
+        self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
+        self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
         self._mass: Any = None
 
@@ -87,7 +91,7 @@ class System:
     def pattern(self) -> Pattern:
         if self._pattern is None:
             cliques = [q for load in self.loads for q in load.cliques()]
-            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric)
+            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule)
             self._matrix = self._pattern.matrix()
         return self._pattern
 
@@ -136,19 +140,28 @@ class System:
         s = self.state
         x = s.X + (s.d[:, :3] if self.alphaf == 1.0 else self.alphaf * s.d[:, :3] + (1 - self.alphaf) * s.d_old[:, :3])
         drive = [b for b in self.body_loads if hasattr(b, "force")]
-        for g in self.groups:
-            g.update(s, x, drive)
-            if self.alphaf == 0.5 and s.dt > 0:
+
+        def work(share: Share) -> None:
+            for g, c in share.chunks:
+                g.update(c, s, x, drive)
+
+        self.schedule.map(work)
+        if self.alphaf == 0.5 and s.dt > 0:
+            for g in self.groups:
                 g.conserve(s.X + s.d[:, :3], s.X + s.d_old[:, :3], s.dt)
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
         """External minus internal forces over the equations (zero where prescribed)."""
         s = self.state
-        for R in self._R:
+
+        def work(share: Share) -> None:
+            R = self._R[share.thread]
             R[:] = 0.0
-        for g in self.groups:
-            g.residual(s, self._R, self.steady)
+            for g, lo, hi in share.spans:
+                g.residual(lo, hi, s, R, self.steady)
+
+        self.schedule.map(work)
         total = self._R[0]
         for R in self._R[1:]:
             total += R
@@ -183,8 +196,15 @@ class System:
         pat = self.pattern
         A, Fd = self._matrix, np.zeros(self.eqs.n)
         A.data[:] = 0.0
-        for g in self.groups:
-            g.tangent(self.state, pat, A.data, step, Fd, self.steady)
+        target = Target(pat, A.data, step)
+
+        def work(share: Share) -> None:
+            for g, c in share.chunks:
+                with g.named():
+                    add_chunk(g, c, self.state, target, self._work[share.thread], self.steady)
+
+        self.schedule.map(work)
+        Fd[self.eqs.rows] = target.Fd
         if self.alphaf != 1.0:
             A.data *= self.alphaf
             Fd *= self.alphaf

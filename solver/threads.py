@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -25,18 +25,19 @@ class Team:
         self.n = n or available()
         self._pool = ThreadPoolExecutor(self.n - 1, "febkit") if self.n > 1 else None
 
-    def ranges(self, m: int, least: int = 64) -> list[tuple[int, int]]:
-        """Split ``m`` items into at most n contiguous ranges of ``least`` items or more."""
-        k = max(1, min(self.n, m // least))
-        cut = [m * i // k for i in range(k + 1)]
-        return list(zip(cut[:-1], cut[1:]))
-
     def map(self, work: Callable[[int], T], k: int) -> list[T]:
-        """``[work(0), ..., work(k - 1)]``, item 0 on the calling thread."""
+        """``[work(0), ..., work(k - 1)]``, item 0 on the calling thread.
+
+        All end before this returns or raises the failure of the lowest item.
+        """
         if k == 1 or self._pool is None:
             return [work(i) for i in range(k)]
         later = [self._pool.submit(work, i) for i in range(1, k)]
-        return [work(0), *[f.result() for f in later]]
+        try:
+            first = work(0)
+        finally:
+            wait(later)
+        return [first, *[f.result() for f in later]]
 
     def close(self) -> None:
         if self._pool is not None:

@@ -82,12 +82,8 @@ def pair_offsets(first, nbr, tail, conn, back):
 
 
 @kernel
-def scatter(lo, hi, K, conn, back, eq, free, lead, indptr, data, step, Fd, upper):
-    """Add element matrices K (hi - lo, c n, c n), component-major, of elements lo:hi.
-
-    eq (node, c): equation (or -1); free (equation): row in the matrix, or -1 where prescribed;
-    step (equation): increments of prescribed values, whose columns go to the right side Fd.
-    """
+def scatter(lo, hi, K, conn, back, row, given, lead, indptr, data, step, Fd, upper):
+    """Add element matrices K (hi - lo, c n, c n), component-major, of elements lo:hi; see :func:`scatter_upper`."""
     n = conn.shape[1]
     nc = K.shape[1] // n
     for e in range(lo, hi):
@@ -95,26 +91,101 @@ def scatter(lo, hi, K, conn, back, eq, free, lead, indptr, data, step, Fd, upper
         for a in range(n):
             na = conn[e, a]
             for i in range(nc):
-                qr = eq[na, i]
-                if qr < 0:
-                    continue
-                r = free[qr]
+                r = row[na, i]
                 if r < 0:
                     continue
-                row = M[i * n + a]
+                values = M[i * n + a]
                 end = indptr[r + 1]
                 for b in range(n):
                     nb = conn[e, b]
                     base = end - back[e, a, b] - lead[nb]
                     for j in range(nc):
-                        qc = eq[nb, j]
-                        if qc < 0:
-                            continue
-                        c = free[qc]
-                        if c < 0:
-                            Fd[qr] -= row[j * n + b] * step[qc]
-                        elif c >= r or not upper:
-                            data[base + c] += row[j * n + b]
+                        c = row[nb, j]
+                        if c >= r or (c >= 0 and not upper):
+                            data[base + c] += values[j * n + b]
+                        elif c < 0 and given[nb, j] >= 0:
+                            Fd[r] -= values[j * n + b] * step[given[nb, j]]
+
+
+@kernel
+def scatter_upper(lo, hi, some, B, U, conn, back, row, given, lead, size, indptr, data, step, Fd):
+    """Add symmetric element blocks (see :mod:`.blocks`) of those elements lo:hi that ``some`` (hi - lo,) marks.
+
+    row (node, c): matrix row of an unknown or -1; given (node, c): equation of a prescribed one or -1; lead, size
+    (node): first row and number of rows; step (equation): increments of prescribed values, whose columns go to the
+    right side Fd (row). Storage is upper.
+    """
+    n = conn.shape[1]
+    fluid = U.shape[0] > 0
+    nc = 4 if fluid else 3
+    k = np.zeros((4, 4))
+    for e in range(lo, hi):
+        if not some[e - lo]:
+            continue
+        Be, Ue = B[e - lo], U[e - lo if fluid else 0 : e - lo + 1]
+        for i in range(n):
+            for j in range(i, n):
+                a, b = (i, j) if lead[conn[e, i]] <= lead[conn[e, j]] else (j, i)
+                na, nb = conn[e, a], conn[e, b]
+                k00, k11, k22 = Be[a, b], Be[3 * n + a, b], Be[5 * n + a, b]
+                k01, k10 = Be[n + a, b], Be[n + b, a]
+                k02, k20 = Be[2 * n + a, b], Be[2 * n + b, a]
+                k12, k21 = Be[4 * n + a, b], Be[4 * n + b, a]
+                k03 = k13 = k23 = k30 = k31 = k32 = k33 = 0.0
+                if fluid:
+                    k03, k13, k23 = Ue[0, a, b], Ue[0, n + a, b], Ue[0, 2 * n + a, b]
+                    k30, k31, k32 = Ue[0, b, a], Ue[0, n + b, a], Ue[0, 2 * n + b, a]
+                    k33 = Be[6 * n + a, b]
+                far = back[e, a, b]
+                if a != b and size[na] == nc and size[nb] == nc:  # nearly all: nothing fixed or prescribed
+                    R = lead[na]
+                    p, q, r = indptr[R + 1] - far, indptr[R + 2] - far, indptr[R + 3] - far
+                    data[p] += k00
+                    data[p + 1] += k01
+                    data[p + 2] += k02
+                    data[q] += k10
+                    data[q + 1] += k11
+                    data[q + 2] += k12
+                    data[r] += k20
+                    data[r + 1] += k21
+                    data[r + 2] += k22
+                    if fluid:
+                        data[p + 3] += k03
+                        data[q + 3] += k13
+                        data[r + 3] += k23
+                        p = indptr[R + 4] - far
+                        data[p] += k30
+                        data[p + 1] += k31
+                        data[p + 2] += k32
+                        data[p + 3] += k33
+                    continue
+                k[0, 0], k[0, 1], k[0, 2], k[0, 3] = k00, k01, k02, k03
+                k[1, 0], k[1, 1], k[1, 2], k[1, 3] = k10, k11, k12, k13
+                k[2, 0], k[2, 1], k[2, 2], k[2, 3] = k20, k21, k22, k23
+                k[3, 0], k[3, 1], k[3, 2], k[3, 3] = k30, k31, k32, k33
+                _add_pair(k, nc, na, nb, far + lead[nb], row, given, indptr, data, step, Fd)
+
+
+@kernel
+def _add_pair(k, nc, na, nb, far, row, given, indptr, data, step, Fd):
+    """Add the entries of one node pair, some of whose unknowns may be fixed or prescribed."""
+    for r in range(nc):
+        R = row[na, r]
+        if R >= 0:
+            base = indptr[R + 1] - far
+            for c in range(r if na == nb else 0, nc):
+                if row[nb, c] >= 0:
+                    data[base + row[nb, c]] += k[r, c]
+            for c in range(nc):
+                if given[nb, c] >= 0:
+                    Fd[R] -= k[r, c] * step[given[nb, c]]
+    if na != nb:
+        for c in range(nc):
+            R = row[nb, c]
+            if R >= 0:
+                for r in range(nc):
+                    if given[na, r] >= 0:
+                        Fd[R] -= k[r, c] * step[given[na, r]]
 
 
 @kernel

@@ -62,6 +62,7 @@ def factor_memory(model: Path) -> None:
     from febkit.solver.group import Group
     from febkit.solver.linear.base import Matrix
     from febkit.solver.linear.pardiso import Pardiso
+    from febkit.solver.schedule import Schedule
     from febkit.solver.state import State
     from febkit.solver.system import System
     from febkit.solver.threads import Team
@@ -69,8 +70,8 @@ def factor_memory(model: Path) -> None:
     problem, team = lower(febkit.read(model)), Team(2)
     state = State.at_rest(problem)
     state.dt = state.time = problem.steps[0].dt
-    groups = [Group(b, problem.X, team) for b in problem.blocks]
-    system = System(problem, problem.steps[0], groups, state, team)
+    groups = [Group(b, problem.X) for b in problem.blocks]
+    system = System(problem, problem.steps[0], groups, state, Schedule(groups, team))
     system.update()
     A, _ = system.tangent(np.zeros(system.eqs.n))
     upper = csr_matrix((A.data, A.indices, A.indptr), shape=(A.n, A.n))

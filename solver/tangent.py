@@ -1,0 +1,153 @@
+"""Element tangents of a chunk, and their way into the matrix."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels import biphasic, blocks, pattern, solid, three_field
+from .pattern import Pattern
+from .state import State
+
+if TYPE_CHECKING:
+    from .group import Chunk, Group
+
+Floats = NDArray[np.float64]
+CACHE = 600_000  # bytes of factors worked on at a time
+_NO_BLOCKS = np.empty((0, 0, 0))
+_NONE = np.empty((0, 0))
+
+
+class Workspace:
+    """Buffers of one thread, grown as needed and used again."""
+
+    def __init__(self) -> None:
+        self._held: dict[str, Floats] = {}
+
+    def take(self, name: str, *shape: int) -> Floats:
+        """An uninitialised array."""
+        n = int(np.prod(shape))
+        held = self._held.get(name)
+        if held is None or held.size < n:
+            held = self._held[name] = np.empty(n)
+        return held[:n].reshape(shape)
+
+    def zeros(self, name: str, *shape: int) -> Floats:
+        out = self.take(name, *shape)
+        out[...] = 0.0
+        return out
+
+
+class Target:
+    """The matrix values under assembly and the prescribed columns times their increments, by matrix row."""
+
+    def __init__(self, pat: Pattern, data: Floats, step: Floats) -> None:
+        self.pat, self.data, self.step = pat, data, step
+        self.Fd = np.zeros(len(pat.indptr) - 1)
+        self.lock = Lock()
+
+    def add_blocks(self, g: Group, lo: int, hi: int, B: Floats, U: Floats) -> None:
+        """Add upper blocks of elements lo:hi: contended ones one thread at a time."""
+        p, back = self.pat, self.pat.back(g)
+        contended = p.contended(g)[lo:hi]
+        rest = (p.row, p.given, p.lead, p.size, p.indptr, self.data, self.step, self.Fd)
+        pattern.scatter_upper(lo, hi, ~contended, B, U, g.conn, back, *rest)
+        if contended.any():
+            with self.lock:
+                pattern.scatter_upper(lo, hi, contended, B, U, g.conn, back, *rest)
+
+    def add(self, g: Group, lo: int, hi: int, K: Floats) -> None:
+        """Add full matrices K (hi - lo, c n, c n) of elements lo:hi."""
+        p = self.pat
+        with self.lock:
+            pattern.scatter(
+                lo, hi, K, g.conn, p.back(g), p.row, p.given, p.lead, p.indptr, self.data, self.step, self.Fd,
+                p.symmetric,
+            )  # fmt: skip
+
+
+def add_chunk(g: Group, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
+    """Add the tangents of a chunk's elements to ``target``."""
+    q = (c.hi - c.lo) * g.g
+    s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
+    pts = c.points
+    pts.t, pts.dt = state.time, state.dt
+    if g.block.formulation == "three-field":
+        _three_field(g, c, s, C)
+    else:
+        g.block.solid.stress(pts, s, C)
+    k = dk = None
+    if g.block.mixture is not None:
+        k, dk = g.permeability(c, tangent=True)
+    per = 8 * 3 * g.g * 7 * g.n  # bytes of the factors of an element
+    size = max(8, CACHE // per)
+    for lo in range(c.lo, c.hi, size):
+        hi = min(lo + size, c.hi)
+        some = slice((lo - c.lo) * g.g, (hi - c.lo) * g.g)
+        _add(g, lo, hi, c, some, s, C, k, dk, state, target, work, steady)
+
+
+def _add(
+    g: Group, lo: int, hi: int, c: Chunk, some: slice, s: Floats, C: Floats, k: Floats | None, dk: Floats | None,
+    state: State, target: Target, work: Workspace, steady: bool,
+) -> None:  # fmt: skip
+    mix, n, nd = g.block.mixture, hi - lo, g.n * g.columns
+    geometry = (g.dN, g.iJ0, g.wJ0, g.F, g.J)
+    s, C, k = s[some], C[some], None if k is None else k[some]
+    three = g.block.formulation == "three-field"
+    extra = dk is not None or three or (mix is not None and (steady or mix.supply is not None))
+    if g.block.solid.symmetric:
+        B, U = _blocks(g, lo, hi, s, C, k, state.dt, work)
+        if target.pat.symmetric and not extra:
+            target.add_blocks(g, lo, hi, B, U)
+            return
+        K = work.take("K", n, nd, nd)
+        blocks.expand(n, B, U, steady, K)
+    else:
+        K = work.take("K", n, nd, nd)
+        se, Ce = s.reshape(-1, g.g, 6), C.reshape(-1, g.g, 6, 6)
+        if k is None:
+            solid.stiffness(lo, hi, *geometry, se, Ce, K)
+        else:
+            biphasic.stiffness(lo, hi, g.N, *geometry, se, Ce, g.pg, k, state.dt, steady, K)
+    if dk is not None:
+        biphasic.permeability_coupling(lo, hi, *geometry, g.gp, dk[some], state.dt, K)
+    if mix is not None and mix.supply is not None:
+        rate, dE, dp = g.supply_tangent(c)
+        biphasic.supply_coupling(lo, hi, g.N, *geometry, rate[some], dE[some], dp[some], state.dt, K)
+    if three:
+        three_field.dilatation(lo, hi, *geometry, g.dilatation_modulus(c)[lo - c.lo : hi - c.lo].copy(), K)
+    target.add(g, lo, hi, K)
+
+
+def _blocks(
+    g: Group, lo: int, hi: int, s: Floats, C: Floats, k: Floats | None, dt: float, work: Workspace
+) -> tuple[Floats, Floats]:
+    """Blocks (e, 6|7 n, n) and couplings (e, 3 n, n) of elements lo:hi; see :mod:`.kernels.blocks`."""
+    m, q, n, fluid = hi - lo, (hi - lo) * g.g, g.n, k is not None
+    R = (7 if fluid else 6) * n
+    T, G = work.take("T", q * 3 * R), work.take("G", q * 3 * n)
+    P = work.take("P", q * n if fluid else 0)
+    pg = g.pg if fluid else _NONE
+    blocks.factors(n, fluid)(
+        lo, hi, g.dN, g.iJ0, g.wJ0, g.F, g.J, s, C, g.N, pg, _NONE if k is None else k, dt, T, G, P
+    )
+    B = work.take("B", m, R, n)
+    np.matmul(T.reshape(m, 3 * g.g, R).transpose(0, 2, 1), G.reshape(m, 3 * g.g, n), out=B)
+    if not fluid:
+        return B, _NO_BLOCKS
+    U = work.take("U", m, 3 * n, n)
+    np.matmul(G.reshape(m, g.g, 3 * n).transpose(0, 2, 1), P.reshape(m, g.g, n), out=U)
+    return B, U
+
+
+def _three_field(g: Group, c: Chunk, s: Floats, C: Floats) -> None:
+    """Deviatoric law and the element pressure's share of stress and tangent."""
+    g.block.solid.dev(c.points, s, C)  # type: ignore[attr-defined]
+    p = np.repeat(g.ep[c.lo : c.hi], g.g)
+    s[:, :3] += p[:, None]
+    C[:, :3, :3] += p[:, None, None] * (1.0 - 2.0 * np.eye(3))
+    C[:, [3, 4, 5], [3, 4, 5]] -= p[:, None]
