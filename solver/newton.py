@@ -25,16 +25,20 @@ Floats = NDArray[np.float64]
 REUSE_RATIO = 4.0
 GMRES_TOLERANCE = 0.03
 GMRES_MOST = 12
+RETRY_RATIO, RETRY_TOLERANCE = 1.3, 1e-3  # the same for a step that is tried again with a smaller dt
+STALE_LEAST, STALE_MOST = 5, 12  # bounds of the iterations given to an old factorisation before a new one is made
 KEEP = 2  # factorisations kept: steps alternate between long ones and short ones before must points
 EASY = 8  # iterations up to which FEBio's stepper grows the step at its full rate: within, ours is the same
 
 
 @dataclass(slots=True)
 class Factor:
-    """A factorisation and the step size it was made for."""
+    """A factorisation, the step size it was made for, and the start (time) of the step if it was made there."""
 
     dt: float
     solver: LinearSolver
+    start: float = np.nan
+    used: int = 0
 
 
 class NotConverged(RuntimeError):
@@ -98,8 +102,11 @@ class Newton:
         self._anderson = Anderson(self._back, self.options)
         self.qn: Any = self._fresh_qn
         self._factors: list[Factor] = []
+        self._uses = 0
         self._stale = False
         self._hard = True  # the last step took many iterations
+        self._left = np.inf  # last increment over the one allowed
+        self._renewed = False  # the present step began with an old factorisation, and made one of its own
         self.force_reform = True
         eqs = system.eqs
         self.rows, self.given = eqs.rows, eqs.given
@@ -145,10 +152,18 @@ class Newton:
         """The kept factorisation whose step size is nearest, where it may serve the coming step."""
         if self.force_reform or self._hard:
             return None
+        return self._nearest(self._factors, REUSE_RATIO)
+
+    def _of_this_start(self) -> Factor | None:
+        """A factorisation of the very state the step starts from, for a step that is tried again."""
+        start = self.system.state.time - self.system.state.dt
+        return self._nearest([f for f in self._factors if abs(f.start - start) <= 1e-12 * abs(start)], RETRY_RATIO)
+
+    def _nearest(self, factors: list[Factor], most: float) -> Factor | None:
         dt = self.system.state.dt
-        ratios = [(max(dt / f.dt, f.dt / dt), k) for k, f in enumerate(self._factors)]
+        ratios = [(max(dt / f.dt, f.dt / dt), k) for k, f in enumerate(factors)]
         best = min(ratios, default=(np.inf, -1))
-        return self._factors[best[1]] if best[0] <= REUSE_RATIO else None
+        return factors[best[1]] if best[0] <= most else None
 
     def _start(self, du: Floats) -> tuple[Floats, Floats | None]:
         """Residual with prescribed increments at the start of a step, and a direction where one is found."""
@@ -161,35 +176,49 @@ class Newton:
         if not np.isfinite(A.data).all():
             raise NotConverged("the tangent holds a number that is not finite")
         R0 = self._residual() + Fd
-        kept = self._kept()
+        kept, again = self._kept(), self._of_this_start()
         if kept is not None:
-            self.solver, self._stale, self.qn = kept.solver, True, self._anderson
+            self._take(kept)
+            self._stale, self.qn = True, self._anderson
             self.qn.reset()
-            u = self._direction(A, R0)
+            u, z = self._direction(A, R0, GMRES_TOLERANCE)
             if u is not None:
+                self._anderson.first(z)
                 return R0, u
             self._stale = False
         self.qn = self._fresh_qn
-        self._keep_factor(A)
-        return R0, self._direction(A, R0)
+        if again is not None:
+            self._take(again)
+            self.qn.reset()
+            u, _ = self._direction(A, R0, RETRY_TOLERANCE)
+            if u is not None:
+                return R0, u
+        self._keep_factor(A, self.system.state.time - self.system.state.dt)
+        return R0, self._direction(A, R0, GMRES_TOLERANCE)[0]
 
-    def _direction(self, A: Matrix, R0: Floats) -> Floats | None:
-        """The Newton direction by GMRES with the factorisation at hand; None where that does not serve."""
-        u, rows = R0.copy(), self.rows
+    def _take(self, f: Factor) -> None:
+        self._uses += 1
+        self.solver, f.used = f.solver, self._uses
+
+    def _direction(self, A: Matrix, R0: Floats, tolerance: float) -> tuple[Floats | None, Floats]:
+        """The Newton direction by GMRES with the factorisation M at hand, or None where that does not serve; M^-1 R0."""
+        u, z, rows = R0.copy(), R0.copy(), self.rows
         with self.clock("linear solves"):
-            u[rows], _, error = gmres(A, R0[rows], self.solver.solve, GMRES_TOLERANCE, GMRES_MOST)
-        return u if error < GMRES_TOLERANCE else None
+            u[rows], z[rows], error = gmres(A, R0[rows], self.solver.solve, tolerance, GMRES_MOST)
+        return (u if error < tolerance else None), z
 
-    def _keep_factor(self, A: Matrix) -> None:
-        """Factorise for the present step size, in place of the kept factorisation nearest to it if there are enough."""
-        dt = self.system.state.dt
-        if len(self._factors) < KEEP:
-            self._factors.append(Factor(dt, self.make_solver()))
-            k = len(self._factors) - 1
+    def _keep_factor(self, A: Matrix, start: float = np.nan) -> None:
+        """Factorise for the present step size, in place of one that could have served it, else of the longest unused."""
+        dt, near = self.system.state.dt, self._nearest(self._factors, REUSE_RATIO)
+        if near is not None:
+            f = near
+        elif len(self._factors) < KEEP:
+            f = Factor(dt, self.make_solver())
+            self._factors.append(f)
         else:
-            k = int(np.argmin([abs(np.log(f.dt / dt)) for f in self._factors]))
-        self._factors[k].dt = dt
-        self.solver = self._factors[k].solver
+            f = min(self._factors, key=lambda f: f.used)
+        f.dt, f.start = dt, start
+        self._take(f)
         if self.count.reforms >= self.options.max_reforms:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
         self._factorise(A)
@@ -279,7 +308,7 @@ class Newton:
     # ---- the loop ---------------------------------------------------------------------------------
     def step(self) -> Counts:
         """Solve the present time step. Raises NotConverged, NegativeJacobian or LinearError."""
-        self.count = Counts()
+        self.count, self._renewed, self._left = Counts(), False, np.inf
         sys_, o = self.system, self.options
         self.increment = np.zeros_like(self.total)
         self.target = sys_.targets(sys_.state.time)
@@ -295,7 +324,7 @@ class Newton:
         while True:
             if self._iterate(R0, norms, u):
                 self.total = self.total + self.increment
-                self._hard = self.count.iterations > EASY
+                self._hard = self._renewed or self.count.iterations > EASY
                 return self.count
             R0, u = self._next_R0, None
 
@@ -303,8 +332,6 @@ class Newton:
         o, k = self.options, self.count
         if u is None:
             u = self.qn.solve(R0)
-        elif self.qn is self._anderson:
-            u = self._anderson.first(u, R0)
         if not np.isfinite(u).all():
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s, R1 = self._line_search(u, R0)
@@ -333,7 +360,7 @@ class Newton:
             m.energy_max = m.energy0 = energy
             m.residual0 = r1
             self.force_reform = True
-        self._update(s, u, R0, R1)
+        self._update(s, u, R0, R1, report)
         k.iterations += 1
         return False
 
@@ -357,10 +384,34 @@ class Newton:
         ok = ok and not (o.diverge_reform and energy > m.energy_max)
         return report, ok
 
-    def _update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> None:
+    def _slow(self, report: dict[str, Norm]) -> bool:
+        """Would an old factorisation take more iterations than a new one is worth?
+
+        The iterations still needed are extrapolated from the last two increments.
+        """
+        done, left = self.count.iterations + 1, [
+            np.sqrt(n.now / n.required) for k, n in report.items() if k not in ("residual", "energy") and n.required > 0
+        ]  # fmt: skip
+        before, self._left = self._left, max(left, default=1.0)
+        if done < 2 or self._left <= 1.0:
+            return done >= self._worth
+        rate = self._left / before
+        return rate >= 0.9 or done + np.log(self._left) / -np.log(rate) > self._worth
+
+    @property
+    def _worth(self) -> float:
+        """Iterations that take as long as a factorisation: about 3 nnz(L)^2 / n against 4 nnz(L) operations, the
+        latter sixteen times slower for being bound by memory, and as much again for residual and stresses."""
+        stats = self.solver.stats
+        ratio = stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 64.0
+        return float(np.clip(ratio, STALE_LEAST, STALE_MOST))
+
+    def _update(self, s: float, u: Floats, R0: Floats, R1: Floats, report: dict[str, Norm]) -> None:
         reform, self.force_reform = self.force_reform, False
-        if self._stale and (reform or self.count.iterations + 1 >= EASY):
+        if self._stale and reform:
             raise NotConverged("the factorisation of an earlier step did not serve")
+        if self._stale and self._slow(report):
+            self._renewed, reform, self.qn = True, True, self._fresh_qn
         if reform or not self.qn.update(s, u, R0, R1):
             self._reform(np.zeros_like(u))
         self._next_R0 = R1

@@ -177,10 +177,9 @@ class Anderson:
     def begin(self) -> None:
         self._z = None
 
-    def first(self, u: Floats, R: Floats) -> Floats:
-        """Take a direction found otherwise as that of the present residual."""
-        self._z = self.back(R)
-        return u
+    def first(self, z: Floats) -> None:
+        """Take z = M^-1 R of the present residual, its direction being found otherwise."""
+        self._z = z
 
     def solve(self, b: Floats) -> Floats:
         z = self.back(b) if self._z is None else self._z

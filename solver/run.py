@@ -12,7 +12,7 @@ from .clock import Clock
 from .group import ElementFailure, Group
 from .linear.base import LinearError
 from .linear.choose import choose
-from .newton import Counts, Iteration, Newton, NotConverged
+from .newton import EASY, Counts, Iteration, Newton, NotConverged
 from .problem import TRANSIENT, Problem, Step
 from .result import Result, Totals
 from .saving import wanted
@@ -233,7 +233,8 @@ class Run:
             self.totals.steps += 1
             self.tell("converged", counts)
             self._save("major")
-            step.accept(s.time, counts.iterations)
+            # more iterations with an old factorisation are no sign of a step that is too large
+            step.accept(s.time, min(counts.iterations, EASY) if newton.stale else counts.iterations)
             return ""
 
     def _prepare(self) -> None:

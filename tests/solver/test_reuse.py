@@ -82,9 +82,21 @@ def test_gmres_with_an_old_factorisation():
     A, full = _spd()
     old = np.linalg.inv(full + np.diag(np.linspace(0, 3, A.n)))
     b = np.random.default_rng(3).normal(size=A.n)
-    x, n, error = gmres(A, b, lambda r: old @ r, 1e-8, 40)
-    assert error < 1e-8 and n < 40
+    solves = []
+    x, z, error = gmres(A, b, lambda r: solves.append(1) or old @ r, 1e-8, 40)
+    assert error < 1e-8 and 1 < len(solves) < 40
+    np.testing.assert_allclose(z, old @ b, rtol=1e-12)
     np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-6, atol=1e-9)
+
+
+def test_gmres_with_a_fresh_factorisation_takes_one_solve():
+    A, full = _spd()
+    fresh = np.linalg.inv(full).astype(np.float32).astype(float)
+    solves = []
+    b = np.random.default_rng(3).normal(size=A.n)
+    x, _, error = gmres(A, b, lambda r: solves.append(1) or fresh @ r, 0.03, 12)
+    assert error < 0.03 and len(solves) == 1
+    np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("stiffer", [0.5, 2.0])
