@@ -28,6 +28,7 @@ GMRES_MOST = 12
 RETRY_RATIO, RETRY_TOLERANCE = 1.3, 1e-3  # the same for a step that is tried again with a smaller dt
 STALE_LEAST, STALE_MOST = 5, 12  # bounds of the iterations given to an old factorisation before a new one is made
 KEEP = 2  # factorisations kept: steps alternate between long ones and short ones before must points
+CALM = 3  # easy steps before an old factorisation is tried: in a violent phase the answer hangs on the step sizes
 EASY = 8  # iterations up to which FEBio's stepper grows the step at its full rate: within, ours is the same
 
 
@@ -104,7 +105,7 @@ class Newton:
         self._factors: list[Factor] = []
         self._uses = 0
         self._stale = False
-        self._hard = True  # the last step took many iterations
+        self._calm = 0  # steps since one that was hard
         self._left = np.inf  # last increment over the one allowed
         self._renewed = False  # the present step began with an old factorisation, and made one of its own
         self.force_reform = True
@@ -150,13 +151,13 @@ class Newton:
 
     def _kept(self) -> Factor | None:
         """The kept factorisation whose step size is nearest, where it may serve the coming step."""
-        if self.force_reform or self._hard:
-            return None
-        return self._nearest(self._factors, REUSE_RATIO)
+        return None if self.force_reform or self._calm < CALM else self._nearest(self._factors, REUSE_RATIO)
 
     def _of_this_start(self) -> Factor | None:
         """A factorisation of the very state the step starts from, for a step that is tried again."""
         start = self.system.state.time - self.system.state.dt
+        if self._worth < STALE_MOST:
+            return None
         return self._nearest([f for f in self._factors if abs(f.start - start) <= 1e-12 * abs(start)], RETRY_RATIO)
 
     def _nearest(self, factors: list[Factor], most: float) -> Factor | None:
@@ -201,14 +202,14 @@ class Newton:
         self.solver, f.used = f.solver, self._uses
 
     def _direction(self, A: Matrix, R0: Floats, tolerance: float) -> tuple[Floats | None, Floats]:
-        """The Newton direction by GMRES with the factorisation M at hand, or None where that does not serve; M^-1 R0."""
+        """The Newton direction by GMRES with the factorisation M at hand (None where it does not serve), and M^-1 R0."""
         u, z, rows = R0.copy(), R0.copy(), self.rows
         with self.clock("linear solves"):
             u[rows], z[rows], error = gmres(A, R0[rows], self.solver.solve, tolerance, GMRES_MOST)
         return (u if error < tolerance else None), z
 
     def _keep_factor(self, A: Matrix, start: float = np.nan) -> None:
-        """Factorise for the present step size, in place of one that could have served it, else of the longest unused."""
+        """Factorise for the present step size, in place of one that could have served or of the longest unused."""
         dt, near = self.system.state.dt, self._nearest(self._factors, REUSE_RATIO)
         if near is not None:
             f = near
@@ -324,7 +325,7 @@ class Newton:
         while True:
             if self._iterate(R0, norms, u):
                 self.total = self.total + self.increment
-                self._hard = self._renewed or self.count.iterations > EASY
+                self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
                 return self.count
             R0, u = self._next_R0, None
 

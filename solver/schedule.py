@@ -69,4 +69,4 @@ class Schedule:
         for s in self.shares:
             mine = np.unique(np.concatenate([g.conn[c.lo : c.hi].ravel() for g, c in s.chunks]))
             seen[mine] += 1
-        return {id(g): (seen[g.conn] > 1).any(axis=1) for g in groups}
+        return {id(g): np.asarray((seen[g.conn] > 1).any(axis=1)) for g in groups}
