@@ -1,5 +1,7 @@
 """The one `kernel` decorator: numba machine code cached under a hash of the sources it is made of.
 
+A kernel is compiled, and numba imported, when it is first called: knowing what the solver can do costs neither.
+
 numba's own cache does not renew a caller whose callee in another file was edited. Here the cache
 folder of a kernel is ``<user cache>/febkit/<hash>`` where the hash covers the file of the kernel and
 every solver file it imports, directly or not; an edit anywhere below moves to a fresh folder.
@@ -11,14 +13,14 @@ import hashlib
 import os
 import re
 import sys
+import threading
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numba
-
 _ROOT = Path(__file__).resolve().parent
+_LOCK = threading.RLock()  # the cache folder is a setting of numba's as a whole
 _IMPORT = re.compile(r"^\s*from\s+(\.+)([\w.]*)\s+import\s+\(?([^)#\n]*)", re.M)
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -55,6 +57,8 @@ def _imports(path: Path) -> tuple[Path, ...]:
 @lru_cache(maxsize=None)
 def source_hash(path: Path) -> str:
     """sha256 over a solver file and all solver files below it, and the versions that compile them."""
+    import numba
+
     todo, seen = [path], set()
     while todo:
         p = todo.pop()
@@ -68,16 +72,41 @@ def source_hash(path: Path) -> str:
     return h.hexdigest()[:24]
 
 
-def kernel(fn: F | None = None, **options: Any) -> Any:
-    """``numba.njit(nogil=True, cache=True)`` with the cache folder described above.
+class Kernel:
+    """A function that becomes machine code when it is first called, from Python or from another kernel."""
 
-    Kernels release the GIL: the solver runs them on slices of the elements from a pool of threads.
-    Kernels take arrays and scalars only (a kernel passed as an argument would recompile per process).
-    """
-    if fn is None:
-        return lambda f: kernel(f, **options)
-    path = Path(fn.__code__.co_filename).resolve()
-    folder = cache_root() / source_hash(path)
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.function, self.options = function, options
+        self._compiled: Any = None
+        update_wrapper(self, function)
+
+    @property
+    def compiled(self) -> Any:
+        """numba's dispatcher, made when it is first asked for."""
+        if self._compiled is None:
+            with _LOCK:
+                if self._compiled is None:
+                    self._compiled = _dispatcher(self.function, self.options)
+        return self._compiled
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks a global of a kernel for: kernels call one another as dispatchers."""
+        return self.compiled._numba_type_
+
+    def __call__(self, *args: Any) -> Any:
+        return self.compiled(*args)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name == "_compiled":
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
+
+
+def _dispatcher(fn: Callable[..., Any], options: dict[str, Any]) -> Any:
+    import numba
+
+    folder = cache_root() / source_hash(Path(fn.__code__.co_filename).resolve())
     old = numba.config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -87,3 +116,14 @@ def kernel(fn: F | None = None, **options: Any) -> Any:
         return numba.njit(nogil=True, error_model="numpy", **options)(fn)
     finally:
         numba.config.CACHE_DIR = old  # type: ignore[attr-defined]
+
+
+def kernel(fn: F | None = None, **options: Any) -> Any:
+    """``numba.njit(nogil=True, cache=True)`` with the cache folder described above, at the first call.
+
+    Kernels release the GIL: the solver runs them on slices of the elements from a pool of threads.
+    Kernels take arrays and scalars only (a kernel passed as an argument would recompile per process).
+    """
+    if fn is None:
+        return lambda f: kernel(f, **options)
+    return Kernel(fn, options)
