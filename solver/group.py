@@ -127,14 +127,14 @@ class Group:
             raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
 
     # ---- update -----------------------------------------------------------------------------------
-    def update(self, state: State, x: Floats, drive: list | None = None) -> None:
-        """Kinematics and stresses at positions x (node, 3). Raises NegativeJacobian."""
+    def update(self, state: State, u: Floats, drive: list | None = None) -> None:
+        """Kinematics and stresses at displacements u (node, 3). Raises NegativeJacobian."""
         groups = self._by_thread()
 
         def work(i: int) -> int:
             first = -1
             for c in groups[i]:
-                bad = solid.kinematics(c.lo, c.hi, x, self.conn, self.dN, self.iJ0, self.F, self.J)
+                bad = solid.kinematics(c.lo, c.hi, u, self.conn, self.dN, self.iJ0, self.F, self.J)
                 if bad >= 0:
                     first = bad if first < 0 else first
                     continue
@@ -147,7 +147,7 @@ class Group:
         if bad:
             raise NegativeJacobian(int(self.block.ids[min(bad)]), self.block.name)
 
-    def conserve(self, x: Floats, x_old: Floats, dt: float) -> None:
+    def conserve(self, u: Floats, u_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
 
         s += D ((W - W_old) / (J dt) - s : D) / (D : D), D the rate of deformation at the midpoint. Gonzalez,
@@ -156,7 +156,7 @@ class Group:
         end, J = np.empty_like(self.F), np.empty_like(self.J)
         start = np.empty_like(self.F)
         W = []
-        for at, F in ((x_old, start), (x, end)):
+        for at, F in ((u_old, start), (u, end)):
             solid.kinematics(0, self.m, at, self.conn, self.dN, self.iJ0, F, J)
             pts = self.points()
             pts.F, pts.J = F.reshape(-1, 3, 3), J.reshape(-1).copy()

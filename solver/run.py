@@ -132,7 +132,7 @@ class Run:
         if step.auto is not None or step.saving.range[0] == 0 or step.saving.zero:
             for g in self.groups:
                 if g.block.mixture is not None:
-                    g.update(self.state, self.state.x, [])
+                    g.update(self.state, self.state.u, [])
             self._hand_over(0)
 
     def _analysis(self) -> str:
