@@ -8,11 +8,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from ._version import __version__
+from .meshio_start import watch as _watch_meshio
 
+TYPE_CHECKING = False  # importing typing would be most of the cost of importing febkit
 if TYPE_CHECKING:
+    from typing import Any
+
     from febkit.feb import read, write
     from febkit.results import open as open_results
     from febkit.solving import solve
@@ -26,6 +28,8 @@ _LAZY = {
 }
 
 __all__ = ["__version__", "open_results", "read", "solve", "write"]
+
+_watch_meshio()
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,6 @@
-"""meshio reads .feb and .xplt and writes .feb once this module is imported.
+"""What meshio reads .feb and .xplt and writes .feb with.
 
->>> import febkit.meshio_format, meshio                     # doctest: +SKIP
+>>> import meshio                                           # doctest: +SKIP
 >>> meshio.read("m.feb"), meshio.read("m.xplt")             # doctest: +SKIP
 """
 
@@ -14,6 +14,7 @@ from typing import Any
 import meshio
 import numpy as np
 
+from febkit.meshio_start import register
 from febkit.model import (
     Component,
     Domain,
@@ -283,13 +284,4 @@ def read_mesh(path: Path_) -> meshio.Mesh:
         raise InputError(f"meshio cannot read the file: {said}", Where(str(Path(path)))) from None
 
 
-def register() -> None:
-    """Make meshio know .feb and .xplt."""
-    from meshio._helpers import reader_map
-
-    if "febio" not in reader_map:
-        meshio.register_format("febio", [".feb"], read_feb, {"febio": write_feb})
-        meshio.register_format("febio-plot", [".xplt"], read_xplt, {})
-
-
-register()
+register(meshio)

@@ -113,15 +113,15 @@ class Group:
             raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
 
     # ---- update -----------------------------------------------------------------------------------
-    def update(self, c: Chunk, state: State, x: Floats, drive: list | None = None) -> None:
-        """Kinematics and stresses of a chunk at positions x (node, 3). Raises NegativeJacobian."""
-        bad = solid.kinematics(c.lo, c.hi, x, self.conn, self.dN, self.iJ0, self.F, self.J)
+    def update(self, c: Chunk, state: State, u: Floats, drive: list | None = None) -> None:
+        """Kinematics and stresses of a chunk at displacements u (node, 3). Raises NegativeJacobian."""
+        bad = solid.kinematics(c.lo, c.hi, u, self.conn, self.dN, self.iJ0, self.F, self.J)
         if bad >= 0:
             raise NegativeJacobian(int(self.block.ids[bad]), self.block.name)
         with self.named():
             self._update_chunk(c, state, drive)
 
-    def conserve(self, x: Floats, x_old: Floats, dt: float) -> None:
+    def conserve(self, u: Floats, u_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
 
         s += D ((W - W_old) / (J dt) - s : D) / (D : D), D the rate of deformation at the midpoint. Gonzalez,
@@ -130,7 +130,7 @@ class Group:
         end, J = np.empty_like(self.F), np.empty_like(self.J)
         start = np.empty_like(self.F)
         W = []
-        for at, F in ((x_old, start), (x, end)):
+        for at, F in ((u_old, start), (u, end)):
             solid.kinematics(0, self.m, at, self.conn, self.dN, self.iJ0, F, J)
             pts = self.points()
             pts.F, pts.J = F.reshape(-1, 3, 3), J.reshape(-1).copy()

@@ -1,4 +1,8 @@
-"""The one `kernel` decorator: numba machine code cached under a hash of the sources it is made of.
+"""The one `kernel` decorator: machine code cached under a hash of the sources it is made of.
+
+A kernel is compiled when it is first called: knowing what the solver can do does not cost it. numba compiles,
+and is imported only for that: code on disk is loaded by :mod:`.native`, one object for each list of argument types.
+What that cannot hold (tuples as arguments or results) or cannot load goes through numba's dispatcher and cache.
 
 numba's own cache does not renew a caller whose callee in another file was edited. Here the cache
 folder of a kernel is ``<user cache>/febkit/<hash>`` where the hash covers the file of the kernel and
@@ -11,14 +15,19 @@ import hashlib
 import os
 import re
 import sys
+import threading
 from collections.abc import Callable
-from functools import lru_cache
+from contextlib import suppress
+from functools import lru_cache, update_wrapper
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numba
+from .native import MISS, available, describe, linker, name_of, read, write
 
 _ROOT = Path(__file__).resolve().parent
+_MAKERS = hashlib.sha256(b"".join((_ROOT / f).read_bytes() for f in ("native.py", "compile.py"))).hexdigest()
+_LOCK = threading.RLock()  # the cache folder is a setting of numba's as a whole
 _IMPORT = re.compile(r"^\s*from\s+(\.+)([\w.]*)\s+import\s+\(?([^)#\n]*)", re.M)
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,23 +70,94 @@ def source_hash(path: Path) -> str:
         if p not in seen:
             seen.add(p)
             todo += _imports(p)
-    h = hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]}".encode())
+    h = hashlib.sha256(f"{_numba_version()} {sys.version_info[:2]} {_MAKERS}".encode())
     for p in sorted(seen):
         h.update(p.name.encode())
         h.update(p.read_bytes())
     return h.hexdigest()[:24]
 
 
-def kernel(fn: F | None = None, **options: Any) -> Any:
-    """``numba.njit(nogil=True, cache=True)`` with the cache folder described above.
+@lru_cache(maxsize=1)
+def _numba_version() -> str:
+    """What identifies the numba installed, without importing it."""
+    spec = find_spec("numba")
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError("numba is not installed")
+    return (Path(spec.origin).parent / "_version.py").read_text()
 
-    Kernels release the GIL: the solver runs them on slices of the elements from a pool of threads.
-    Kernels take arrays and scalars only (a kernel passed as an argument would recompile per process).
-    """
-    if fn is None:
-        return lambda f: kernel(f, **options)
-    path = Path(fn.__code__.co_filename).resolve()
-    folder = cache_root() / source_hash(path)
+
+class Kernel:
+    """A function that becomes machine code when it is first called, from Python or from another kernel."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.function, self.options = function, options
+        self._compiled: Any = None
+        self._native: tuple[Callable[..., Any], ...] = ()  # loaded, one for each list of argument types
+        self._seen: set[str] = set()  # lists of argument types met before
+        update_wrapper(self, function)
+
+    @property
+    def compiled(self) -> Any:
+        """numba's dispatcher, made when it is first asked for."""
+        if self._compiled is None:
+            with _LOCK:
+                if self._compiled is None:
+                    self._compiled = _dispatcher(self.function, self.options, self.folder)
+        return self._compiled
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks a global of a kernel for: kernels call one another as dispatchers."""
+        return self.compiled._numba_type_
+
+    @property
+    def folder(self) -> Path:
+        """Where the kernel's machine code is kept."""
+        return cache_root() / source_hash(Path(self.function.__code__.co_filename).resolve())
+
+    def __call__(self, *args: Any) -> Any:
+        for native in self._native:
+            out = native(*args)
+            if out is not MISS:
+                return out
+        types = describe(args) if available() else None
+        if types is not None and types not in self._seen:
+            with _LOCK:  # the first caller finds the code, the others wait for it
+                if types not in self._seen:
+                    found = self._find(types)
+                    self._native += (found,) if found else ()
+                    self._seen.add(types)
+            return self(*args)
+        return self.compiled(*args)
+
+    def _find(self, types: str) -> Callable[..., Any] | None:
+        """Machine code for the described arguments, from disk or made now; None where numba must do."""
+        try:
+            name = name_of(self.__name__, self.folder.name, types)
+            path = self.folder / f"{name}.o"
+            stored = read(path)
+            if stored is None:
+                from .compile import compiled
+
+                stored = compiled(self.function, self.options, types, name)
+                with suppress(OSError):  # a read-only home: compile in every process rather than fail
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    write(path, *stored)
+            return linker().link(stored[0], name, stored[1])
+        except Exception as e:  # numba's dispatcher runs it, or says what is wrong with it
+            if os.environ.get("FEBKIT_NATIVE") == "1":
+                raise RuntimeError(f"no machine code of its own for {self.__name__}({types})") from e
+            return None
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name == "_compiled":
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
+
+
+def _dispatcher(fn: Callable[..., Any], options: dict[str, Any], folder: Path) -> Any:
+    import numba
+
     old = numba.config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -87,3 +167,14 @@ def kernel(fn: F | None = None, **options: Any) -> Any:
         return numba.njit(nogil=True, error_model="numpy", **options)(fn)
     finally:
         numba.config.CACHE_DIR = old  # type: ignore[attr-defined]
+
+
+def kernel(fn: F | None = None, **options: Any) -> Any:
+    """Machine code as by ``numba.njit(nogil=True)``, in the cache folder described above, at the first call.
+
+    Kernels release the GIL: the solver runs them on slices of the elements from a pool of threads.
+    Kernels take arrays and scalars only (a kernel passed as an argument would recompile per process).
+    """
+    if fn is None:
+        return lambda f: kernel(f, **options)
+    return Kernel(fn, options)

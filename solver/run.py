@@ -136,7 +136,7 @@ class Run:
             for g in self.groups:
                 if g.block.mixture is not None:
                     for c in g.chunks:
-                        g.update(c, self.state, self.state.x, [])
+                        g.update(c, self.state, self.state.u, [])
             self._hand_over(0)
 
     def _analysis(self) -> str:

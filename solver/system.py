@@ -138,17 +138,17 @@ class System:
     def update(self) -> None:
         """Kinematics, stresses and fluxes at the present state."""
         s = self.state
-        x = s.X + (s.d[:, :3] if self.alphaf == 1.0 else self.alphaf * s.d[:, :3] + (1 - self.alphaf) * s.d_old[:, :3])
+        u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.d_old[:, :3]
         drive = [b for b in self.body_loads if hasattr(b, "force")]
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
-                g.update(c, s, x, drive)
+                g.update(c, s, u, drive)
 
         self.schedule.map(work)
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
-                g.conserve(s.X + s.d[:, :3], s.X + s.d_old[:, :3], s.dt)
+                g.conserve(s.u, s.d_old[:, :3], s.dt)
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:

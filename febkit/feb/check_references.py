@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -15,6 +16,7 @@ from .findings import Finding
 
 BODIES = ("rb", "body_a", "body_b", "rbA", "rbB")
 FIELDS = ("boundary", "loads", "contact", "constraints", "rigid", "initial", "adaptors")
+REFERENCE = re.compile(r"""fem\.material\(\s*['"]([^'"]+)['"]\s*\)""")
 
 
 def check(model: Model) -> Iterator[Finding]:
@@ -37,10 +39,23 @@ def materials(model: Model) -> Iterator[Finding]:
         if m.name in seen:
             yield Finding("error", f'a second material named "{m.name}"', m.where)
         seen[m.name or ""] = m
-    used = {d.material for d in model.domains}
+    used = {d.material for d in model.domains} | set(_named_in_formulas(model))
     for m in model.materials:
         if m.name not in used and m.type != "rigid body":  # a rigid body need not have a mesh
             yield Finding("warning", f'material "{m.name}" belongs to no domain', m.where)
+
+
+def _named_in_formulas(model: Model) -> Iterator[str]:
+    """Materials whose parameters a formula reads: they need no domain, they hold numbers or histories."""
+    trees = [*model.materials, *(c.spec for c in model.controllers), *(d.spec for d in model.mesh_data)]
+    for step in (model.common, *model.steps):
+        trees += [c for field in FIELDS for c in getattr(step, field)]
+        trees += [] if step.control is None else [step.control]
+    while trees:
+        c = trees.pop()
+        if "fem.material" in c.text:
+            yield from REFERENCE.findall(c.text)
+        trees += c.children
 
 
 def domains(model: Model) -> Iterator[Finding]:

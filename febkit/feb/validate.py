@@ -21,8 +21,7 @@ ORDER = {"error": 0, "unsupported": 1, "warning": 2, "hint": 3}
 def validate(path: str | PathLike[str], solvable: bool = False) -> list[Finding]:
     """What is wrong, doubtful or unsupported in a .feb file, by severity and place.
 
-    ``solvable`` also asks, in a process of its own, whether febkit can solve it. A file that cannot be
-    read gives one error.
+    ``solvable`` also asks whether febkit can solve it. A file that cannot be read gives one error.
     """
     try:
         model = read(path)
@@ -32,7 +31,7 @@ def validate(path: str | PathLike[str], solvable: bool = False) -> list[Finding]
     if solvable and not any(f.severity == "error" for f in found):
         from . import solvable as solver
 
-        found = _sorted([*found, *solver.ask(fspath(path))])
+        found = _sorted([*found, *solver.ask(model)])
     return found
 
 

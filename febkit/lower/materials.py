@@ -173,8 +173,14 @@ def record(ctx: Context, spec: Component, table: str, part: str) -> Any:
 
 
 def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, part: str) -> None:
-    """Required parameters must be there; properties take their default type."""
+    """Required parameters must be there; properties take their default type, constants those of <Globals>."""
     defaults = _defaults(cls)
+    for name in getattr(cls, "constants", ()):
+        fields[name] = ctx.model.constants.get(name, 0.0)
+        if fields[name] <= 0:
+            raise InputError(
+                f'<{spec.tag} type="{spec.type}"> needs a positive <{name}> in <Globals><Constants>', spec.where
+            )
     for name in cls.parameters:
         if name not in fields and name not in defaults:
             raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{registry.tag_name(name)}>', spec.where)

@@ -12,27 +12,35 @@ from typing import Any
 from febkit.model import InputError, Where
 
 CASES = ("A", "B", "C", "D")
+RECOVERIES = ("element", "polynomial", "patches")  # those of febkit.coupling, which is not loaded to plan
 Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid) or "overlay"."""
+    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid) or "overlay".
+
+    An order may name its recovery ("2 element"); without one the study's [coupling] says which.
+    """
 
     name: str
     solid: int | None
     fluid: int | None
+    recovery: str | None = None
 
     @classmethod
     def parse(cls, text: object, where: Where) -> Method:
-        t = str(text)
+        t = " ".join(str(text).split())
         if t == "overlay":
             return cls(t, None, None)
-        orders = t.split("/")
-        if len(orders) <= 2 and all(o in ("1", "2", "3") for o in orders):
-            return cls(t, int(orders[0]), int(orders[-1]))
+        said, _, recovery = t.partition(" ")
+        orders = said.split("/")
+        known = recovery in ("", *RECOVERIES)
+        if known and len(orders) <= 2 and all(o in ("1", "2", "3") for o in orders):
+            return cls(t, int(orders[0]), int(orders[-1]), recovery or None)
         raise InputError(
-            f'method {t!r} must be an order "1", "2" or "3", two of them "2/1" (solid/fluid), or "overlay"',
+            f'method {t!r} must be an order "1", "2" or "3" or two of them "2/1" (solid/fluid), with or '
+            f'without a recovery ({", ".join(RECOVERIES)}) after it, or "overlay"',
             where,
         )
 

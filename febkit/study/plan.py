@@ -57,14 +57,13 @@ def make_plan(study: Study) -> Plan:
     centre = _centre(study.points)
     for case in study.cases:
         tissue = _tissue(study, case)
-        series = _series(study, case, tissue)
         cell = _model("cell", study.cell, case)
         if study.control and centre is not None:
             control = _solved("embedded", study.embedded, case)
             metrics[case, CONTROL, centre] = _measure(study, f"{case} control: measure", control, ())
         for method in study.methods:
             for k in range(len(study.points)):
-                metrics[case, method.name, k] = _driven(study, case, method, k, cell, series, tissue)
+                metrics[case, method.name, k] = _driven(study, case, method, k, cell, tissue)
             if (case, CONTROL, centre) in metrics and centre is not None:
                 inputs = {
                     "control": metrics[case, CONTROL, centre],
@@ -108,21 +107,26 @@ def _tissue(study: Study, case: str) -> dict[str, Step]:
     return _solved("tissue", study.tissue, case)
 
 
-def _series(study: Study, case: str, tissue: Mapping[str, Step]) -> Step:
-    """Series of the tissue's field at all points: one step, one small file."""
-    params = {"points": [list(p) for p in study.points], **study.coupling}
-    return Step("series", f"{case} tissue: series at {len(study.points)} points", params, dict(tissue))
+def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step]) -> Step:
+    """Series of the tissue's field at all points, of the order that is handed off: one small file."""
+    order = max(method.solid or 1, method.fluid or 1)
+    params: dict[str, Any] = {"points": [list(p) for p in study.points], **study.coupling, "order": order}
+    if method.recovery:
+        params["recovery"] = method.recovery
+    label = f"{case} tissue: series of order {order} at {len(study.points)} points"
+    return Step("series", label + (f", {method.recovery}" if method.recovery else ""), params, dict(tissue))
 
 
 def _driven(
-    study: Study, case: str, method: Method, k: int, cell: Step, series: Step, tissue: Mapping[str, Step]
+    study: Study, case: str, method: Method, k: int, cell: Step, tissue: Mapping[str, Step]
 ) -> Step:
     label = f"{case} order {method.name}" + (f" point {k + 1}" if len(study.points) > 1 else "")
     params: dict[str, Any] = {"point": k, "solid": method.solid, "fluid": method.fluid}
-    inputs = {"cell": cell, "series": series}
     if method.name == "overlay":
         params |= {"at": list(study.points[k])}
         inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}
+    else:
+        inputs = {"cell": cell, "series": _series(study, case, method, tissue)}
     model = Step("drive", f"{label}: drive", params, inputs)
     results = Step("solve", f"{label}: solve", {}, {"model": model})
     drop = ("model", "results") if study.keep == "metrics" else ()

@@ -128,7 +128,7 @@ def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
                         found[case, method.name, point],
                         title=f"case {case}, {_label(method.name)}",
                     )
-                    name = f"bland_altman_{case}_{method.name.replace('/', '-')}.png"
+                    name = f"bland_altman_{case}_{method.name.replace('/', '-').replace(' ', '_')}.png"
                     yield _saved(figure, folder / name)
             figure = _section(plan, case, point)
             if figure is not None:

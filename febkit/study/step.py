@@ -14,8 +14,8 @@ VERSIONS: Mapping[str, int] = {
     "build": 1,
     "adopt": 1,
     "solve": 1,
-    "series": 1,
-    "drive": 1,
+    "series": 2,
+    "drive": 2,
     "measure": 1,
     "compare": 1,
 }

@@ -72,12 +72,12 @@ def solve(job: Job) -> None:
 
 
 def series(job: Job) -> None:
-    """Taylor series of the tissue's field at every point, to the highest order methods may take."""
+    """Taylor series of the tissue's field at every point, of the order handed off and what it leaves out."""
     from febkit import coupling, results
 
-    options = {k: v for k, v in job.params.items() if k in ("recovery", "own_part")}
+    options = {k: v for k, v in job.params.items() if k in ("order", "recovery", "own_part")}
     with results.open(job.inputs["results"] / RESULTS) as tissue:
-        found = coupling.series(tissue, job.params["points"], **options)
+        found = coupling.series(tissue, job.params["points"], beyond=True, **options)
     found.to_netcdf(job.folder / SERIES)
 
 
@@ -90,7 +90,7 @@ def drive(job: Job) -> None:
     given, driving, point = _handoff(job, model.mesh.X[nodes])
     found = coupling.check(given, driving, point)
     job.record["said"], job.record["problems"] = list(found.lines), list(found.problems)
-    driven = coupling.drive(model, given, nodes, form="curves")
+    driven = coupling.drive(model, given, nodes)
     lost = coupling.write(driven, job.folder / MODEL)
     job.record["problems"] += [str(x) for x in lost or ()]
 

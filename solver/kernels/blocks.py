@@ -22,7 +22,6 @@ def factors(nen: int, fluid: bool) -> Callable[..., Any]:
     """The kernel that makes the factors for elements of ``nen`` nodes (fixed, so that its loops vectorise)."""
     R = (7 if fluid else 6) * nen
 
-    @kernel(fastmath={"contract"})
     def make(lo, hi, dN, iJ0, wJ0, F, J, s, c, N, p, k, dt, T, G, P):
         """Factors of elements lo:hi, flat: T (element, point, 3, R), G (element, point, 3, n), P (element, point, n).
 
@@ -103,7 +102,9 @@ def factors(nen: int, fluid: bool) -> Callable[..., Any]:
                         Tq[2 * R + 6 * nen + a] = k5 * x + k4 * y + k2 * z
                         P[q * nen + a] = -w * N[g, a]
 
-    return make
+    # one name, and so one cached machine code, for each element and physics
+    make.__name__ = make.__qualname__ = f"factors_{nen}_{'biphasic' if fluid else 'solid'}"
+    return kernel(make, fastmath={"contract"})
 
 
 # block of components (i, j), i <= j, among the rows of the product; 6 is that of the pressure

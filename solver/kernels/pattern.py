@@ -13,6 +13,22 @@ from ..jit import kernel
 
 
 @kernel
+def _sort(row, n):
+    """Sort row[:n] in place: insertion over gaps (Shell 1959). numpy's sort would need numba's lists."""
+    gap = 1
+    while 3 * gap + 1 < n:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for i in range(gap, n):
+            x, j = row[i], i
+            while j >= gap and row[j - gap] > x:
+                row[j] = row[j - gap]
+                j -= gap
+            row[j] = x
+        gap //= 3
+
+
+@kernel
 def node_graph(ptr, elements, conn, upper, first, count, out):
     """Sorted neighbours of each node (itself included; only later ones if ``upper``).
 
@@ -40,7 +56,8 @@ def node_graph(ptr, elements, conn, upper, first, count, out):
         if count:
             first[a + 1] = first[a] + k
         else:
-            out[first[a] : first[a] + k] = np.sort(row[:k])
+            _sort(row, k)
+            out[first[a] : first[a] + k] = row[:k]
 
 
 @kernel

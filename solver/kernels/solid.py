@@ -56,9 +56,10 @@ def reference(X, conn, dN, w, iJ0, wJ0):
 
 
 @kernel
-def kinematics(lo, hi, x, conn, dN, iJ0, F, J):
-    """Deformation gradient F (m, g, 3, 3) and J (m, g) of elements lo:hi.
+def kinematics(lo, hi, u, conn, dN, iJ0, F, J):
+    """Deformation gradient F = I + du/dX (m, g, 3, 3) and J (m, g) of elements lo:hi, for displacements u (node, 3).
 
+    Displacements rather than positions, whose rounding would grow with the distance from the origin.
     Returns the first element with J <= 0, or -1.
     """
     bad = -1
@@ -68,11 +69,11 @@ def kinematics(lo, hi, x, conn, dN, iJ0, F, J):
             a00 = a01 = a02 = a10 = a11 = a12 = a20 = a21 = a22 = 0.0
             for a in range(nen):
                 n = conn[e, a]
-                u, v, q = x[n, 0], x[n, 1], x[n, 2]
+                p, v, q = u[n, 0], u[n, 1], u[n, 2]
                 r, s, t = dN[g, a, 0], dN[g, a, 1], dN[g, a, 2]
-                a00 += u * r
-                a01 += u * s
-                a02 += u * t
+                a00 += p * r
+                a01 += p * s
+                a02 += p * t
                 a10 += v * r
                 a11 += v * s
                 a12 += v * t
@@ -84,6 +85,7 @@ def kinematics(lo, hi, x, conn, dN, iJ0, F, J):
                 F[e, g, 0, j] = a00 * k0 + a01 * k1 + a02 * k2
                 F[e, g, 1, j] = a10 * k0 + a11 * k1 + a12 * k2
                 F[e, g, 2, j] = a20 * k0 + a21 * k1 + a22 * k2
+                F[e, g, j, j] += 1.0
             f = F[e, g]
             det = (
                 f[0, 0] * (f[1, 1] * f[2, 2] - f[1, 2] * f[2, 1])

@@ -29,6 +29,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..matrices import det
 from ..points import Points
 from ..values import Value, as_value
 
@@ -155,7 +156,7 @@ def wanted(c: Floats | None) -> Floats:
 def deformed(pts: Points, F: Floats) -> Points:
     """The same points under another deformation gradient ``F`` (n, 3, 3)."""
     F = np.ascontiguousarray(F)
-    return replace(pts, F=F, J=np.linalg.det(F))
+    return replace(pts, F=F, J=det(F))
 
 
 def unwritten(pts: Points) -> Points:

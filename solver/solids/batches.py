@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..matrices import det
 from ..points import Points
 from .base import Floats
 
@@ -25,7 +26,7 @@ def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = Fals
     return replace(
         pts,
         F=F,
-        J=np.linalg.det(F) if J is None else np.ascontiguousarray(J.reshape(-1)),
+        J=det(F) if J is None else np.ascontiguousarray(J.reshape(-1)),
         X=np.repeat(pts.X, b, axis=0),
         e=np.repeat(pts.e, b),
         Q=times(pts.Q),

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..matrices import det, eigh, eigvalsh
 from ..points import Points
 from ..values import as_value
 from .base import Floats, Number, Property, Solid
@@ -99,12 +100,12 @@ class Drucker(Criterion):
 
     def of(self, base: Solid, pts: Points) -> Floats:
         d = deviator(_stress(base, pts))
-        J2, J3 = 0.5 * (d**2).sum((1, 2)), np.linalg.det(d)
+        J2, J3 = 0.5 * (d**2).sum((1, 2)), det(d)
         return (J2**3 - self.p("c", pts) * J3**2) ** (1.0 / 6.0)
 
     def gradient(self, base: Solid, pts: Points) -> Floats:
         d = deviator(_stress(base, pts))
-        J2, J3 = (0.5 * (d**2).sum((1, 2)))[:, None, None], np.linalg.det(d)[:, None, None]
+        J2, J3 = (0.5 * (d**2).sum((1, 2)))[:, None, None], det(d)[:, None, None]
         c = self.p("c", pts)[:, None, None]
         tau = (J2**3 - c * J3**2) ** (1.0 / 6.0)
         cofactor = deviator(d @ d - J2 * _EYE)  # J3 d^-1 where d is regular
@@ -116,11 +117,11 @@ class MaxShear(Criterion):
     """(s3 - s1)/2."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        w = np.linalg.eigvalsh(_stress(base, pts))
+        w = eigvalsh(_stress(base, pts))
         return 0.5 * (w[:, 2] - w[:, 0])
 
     def gradient(self, base: Solid, pts: Points) -> Floats:
-        w, V = np.linalg.eigh(_stress(base, pts))
+        w, V = eigh(_stress(base, pts))
         N = [_dyad(V[:, :, k]) for k in range(3)]
         tie = 1e-6 * np.abs(w[:, 2])
         low, mid = w[:, 2] - w[:, 0] > tie, w[:, 2] - w[:, 1] > tie
@@ -135,10 +136,10 @@ class MaxNormalStress(Criterion):
     """The largest principal stress."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        return np.asarray(np.linalg.eigvalsh(_stress(base, pts))[:, 2], dtype=float)
+        return np.asarray(eigvalsh(_stress(base, pts))[:, 2], dtype=float)
 
     def gradient(self, base: Solid, pts: Points) -> Floats:
-        w, V = np.linalg.eigh(_stress(base, pts))
+        w, V = eigh(_stress(base, pts))
         tie = 1e-6 * np.abs(w[:, 2])
         low, mid = w[:, 2] - w[:, 0] > tie, w[:, 2] - w[:, 1] > tie
         N2, N1 = _dyad(V[:, :, 2]), _dyad(V[:, :, 1])
@@ -151,7 +152,7 @@ class MaxNormalStrain(Criterion):
     """The largest principal Green-Lagrange strain."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        return np.asarray(np.linalg.eigvalsh(strain(pts.F))[:, 2], dtype=float)
+        return np.asarray(eigvalsh(strain(pts.F))[:, 2], dtype=float)
 
 
 @dataclass(eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -106,15 +106,21 @@ class MathCurve(FlowCurve):
     parameters = ("e0", "emax")
     options = ("nf",)
     properties = {"plastic_response": Property("formula")}
+    _found: Any = field(default=None, init=False, repr=False)  # strains (e0, emax) and the families between them
 
     @property
     def size(self) -> int:
         return int(self.nf)
 
     def families(self, pts: Points) -> tuple[Floats, Floats]:
+        a, b = (float(as_value(v)(pts.t, pts.X, pts.e)[0]) for v in (self.e0, self.emax))
+        if self._found is None or self._found[0] != (a, b):
+            self._found = (a, b), self._between(a, b)
+        return self._found[1]  # type: ignore[no-any-return]
+
+    def _between(self, a: float, b: float) -> tuple[Floats, Floats]:
         from scipy.optimize import brentq
 
-        a, b = (float(as_value(v)(pts.t, pts.X, pts.e)[0]) for v in (self.e0, self.emax))
         Y: Any = self.plastic_response
         if self.size == 1:
             return np.array([[float(Y(a))]]), np.array([[1.0, 0.0]])

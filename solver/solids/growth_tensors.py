@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..matrices import det
 from ..points import Points
 from ..values import as_value
 from .base import Floats, Number, Property
@@ -36,7 +37,7 @@ class Growth:
         return iso * np.eye(3) + (ani - 1.0) * n[:, :, None] * n[:, None, :]
 
     def density(self, pts: Points) -> Floats:
-        return np.linalg.det(self.tensor(pts))
+        return det(self.tensor(pts))
 
 
 @dataclass(eq=False)

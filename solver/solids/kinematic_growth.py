@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from ..matrices import inv
 from ..points import Points
 from .base import Floats, Property, Solid, deformed
 from .registry import register
@@ -22,7 +21,7 @@ class KinematicGrowth(Solid):
 
     def _elastic_state(self, pts: Points) -> Points:
         within = self.inner(pts)
-        return deformed(within, within.F @ np.linalg.inv(self.growth.tensor(within)))
+        return deformed(within, within.F @ inv(self.growth.tensor(within)))
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         self.elastic.stress(self._elastic_state(pts), s, c)  # type: ignore[union-attr]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..matrices import det, inv
 from ..points import Points
 from ..values import as_value
 from .base import Floats, Number, Property, Solid, deformed, unwritten
@@ -70,7 +71,7 @@ class Multigeneration(Solid):
         out = []
         for g in range(count):
             Fi = old[:, 2 + 9 * g : 11 + 9 * g].reshape(-1, 3, 3)
-            out.append((self.generation[g], deformed(pts, pts.F @ Fi), np.linalg.det(Fi)))
+            out.append((self.generation[g], deformed(pts, pts.F @ Fi), det(Fi)))
         return out
 
     def _lay_down(self, pts: Points, old: Floats) -> None:
@@ -78,7 +79,7 @@ class Multigeneration(Solid):
         born = self._start(self._latest(pts), pts)
         count = int(old[0, 0])
         if born > old[0, 1] and count < len(self.generation):
-            new[:, 2 + 9 * count : 11 + 9 * count] = np.linalg.inv(pts.F).reshape(-1, 9)
+            new[:, 2 + 9 * count : 11 + 9 * count] = inv(pts.F).reshape(-1, 9)
             new[:, 0], new[:, 1] = count + 1, born
         pts.new[:, self.offset : self.offset + self.history] = new  # type: ignore[index]
 

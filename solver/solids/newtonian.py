@@ -9,6 +9,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..kernels.tensors import add_identity
+from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Solid, wanted
 from .registry import register
@@ -44,7 +45,7 @@ class _Viscous:
         if pts.dt == 0:
             return np.zeros_like(pts.F)
         old = np.eye(3) if pts.old is None else pts.old[:, at : at + 9].reshape(-1, 3, 3)
-        L = (pts.F - old) @ np.linalg.inv(pts.F) / pts.dt
+        L = (pts.F - old) @ inv(pts.F) / pts.dt
         return 0.5 * (L + np.swapaxes(L, 1, 2))
 
     def _stress(self, pts: Points) -> Floats:

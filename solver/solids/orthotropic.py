@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..kernels.material_frame import add_projected, push_frame, strain_in_frame
+from ..matrices import inv
 from ..points import Points
 from .base import NO_TANGENT, Floats, Number, Solid, wanted
 
@@ -50,7 +51,7 @@ class Engineering:
         C[:, 1, 2] = C[:, 2, 1] = -v23 / E2
         C[:, 2, 0] = C[:, 0, 2] = -v31 / E3
         mu = np.stack((G12 + G31 - G23, G12 - G31 + G23, G31 + G23 - G12), axis=1)
-        l: Floats = np.linalg.inv(C).astype(float, copy=False)
+        l: Floats = inv(C).astype(float, copy=False)
         l[:, [0, 1, 2], [0, 1, 2]] -= 2.0 * mu
         return stiffness(l, mu)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..points import Points
+from ..values import as_value
 from .base import Floats, Number, Solid, wanted
 from .ellipsoidal_fibers import EllipsoidalFibers
 from .registry import register
@@ -65,7 +66,8 @@ class CellGrowth(_Osmotic):
 class Donnan(_Osmotic):
     """p = R T Phi ((cF^2 + bosm^2)^1/2 - bosm), cF = phiw0 cF0 / (J - 1 + phiw0).
 
-    phis0 >= 0 gives the solid's share instead: phiw0 = 1 - phis0. Ateshian et al., J. Biomech. 39 (2006) 464.
+    phis0 >= 0 gives the solid's share instead: phiw0 = 1 - phis0(t = 0), and J - phis0(t) below the line.
+    Ateshian et al., J. Biomech. 39 (2006) 464.
     """
 
     phiw0: Number = -1.0
@@ -77,8 +79,9 @@ class Donnan(_Osmotic):
 
     def pressure(self, pts: Points) -> tuple[Floats, Floats]:
         phiw, phis, cF0, bosm, Phi = self.par(pts).T
-        phiw = np.where(phis >= 0, 1.0 - phis, phiw)
-        d = pts.J - 1.0 + phiw
+        first = as_value(self.phis0)(0.0, pts.X, pts.e)
+        phiw = np.where(first >= 0, 1.0 - first, phiw)
+        d = pts.J - np.where(first >= 0, phis, 1.0 - phiw)
         cF = phiw * cF0 / d
         root = np.sqrt(cF**2 + bosm**2)
         return Phi * (root - bosm), -Phi * cF**2 / (d * np.where(root == 0, 1.0, root))
@@ -86,7 +89,7 @@ class Donnan(_Osmotic):
 
 @dataclass(eq=False)
 class EllipsoidalDonnan(EllipsoidalFibers):
-    """A charged matrix with ellipsoidally distributed fibers."""
+    """A charged matrix with ellipsoidally distributed fibers, summed over a geodesic dome as FEBio does here."""
 
     phiw0: Number = -1.0
     cF0: Number = 0.0
@@ -96,6 +99,7 @@ class EllipsoidalDonnan(EllipsoidalFibers):
     T: float = field(default=0.0, kw_only=True)
     parameters = ("phiw0", "cF0", "bosm", "Phi", "beta", "ksi")
     constants = ("R", "T")
+    dome = True
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         matrix = Donnan(self.phiw0, -1.0, self.cF0, self.bosm, self.Phi, R=self.R, T=self.T)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..matrices import det, inv
 from ..points import Points
 from .base import Floats, Solid, deformed, evaluate
 from .batches import states
@@ -80,7 +81,7 @@ class Trial:
     def beta(self, lam: Floats) -> Floats:
         if not self.isochoric:
             return np.ones(len(lam))
-        return np.cbrt(1.0 / np.linalg.det(self.Us @ self.left(lam)))
+        return np.cbrt(1.0 / det(self.Us @ self.left(lam)))
 
     def F(self, lam: Floats) -> Floats:
         return self.R @ (_sym(self.Ue @ self.left(lam)) * self.beta(lam)[:, None, None])
@@ -90,7 +91,7 @@ class Trial:
         beta, ImN = self.beta(lam), self.left(lam)
         dU = -self.Ue @ self.N * beta[:, None, None]
         if self.isochoric:
-            dU = dU + self.Ue @ ImN * (_trace(np.linalg.inv(ImN) @ self.N) * beta / 3.0)[:, None, None]
+            dU = dU + self.Ue @ ImN * (_trace(inv(ImN) @ self.N) * beta / 3.0)[:, None, None]
         return -phi / (self.size * _trace(self.N @ _T(dU)))
 
 
@@ -128,6 +129,6 @@ def mixed_stress(
 
 def mixed_energy(base: Solid, pts: Points, Us: Floats, w: Floats, intact: Floats, isochoric: bool) -> Floats:
     """intact W_0(F) + sum_i w_i W_0(F Us_i) / det Us_i."""
-    J = np.ones(w.shape) if isochoric else np.linalg.det(Us)
+    J = np.ones(w.shape) if isochoric else det(Us)
     W = base.energy(states(pts, pts.F[:, None] @ Us)).reshape(w.shape)
     return intact * base.energy(pts) + (w / J * W).sum(1)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..matrices import det
 from ..points import Points
 from ..values import as_value
 from .base import Floats, Number, Property, Solid, deformed
@@ -40,7 +41,7 @@ class _Prestrained:
         rho = as_value(self.density_)(pts.t, pts.X, pts.e)  # type: ignore[attr-defined]
         if self.prestrain is None:
             return rho
-        return rho / np.linalg.det(self.prestrain.gradient(self.inner(pts)))  # type: ignore[attr-defined]
+        return rho / det(self.prestrain.gradient(self.inner(pts)))  # type: ignore[attr-defined]
 
 
 @dataclass(eq=False)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
 from .batches import states
@@ -139,7 +140,7 @@ class ReactivePlasticDamage(Solid):
             flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
             trial = Trial.start(base, self.yield_criterion, here, flat[rows], bool(self.isochoric))
             F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
-            flat[rows] = np.linalg.inv(here.F) @ F
+            flat[rows] = inv(here.F) @ F
             state[:, :, :9], Kv = flat.reshape(n, f, 9), K.reshape(n, f)
         state[:, :, _K] = Kv
 
@@ -150,7 +151,7 @@ class ReactivePlasticDamage(Solid):
         state[:, :, _DI] = np.where(yielding, state[:, :, _DI], di)
         E = state[:, :, _E]
         if self.plastic_damage_criterion is not None and yielding.any():
-            Fp: Any = np.linalg.inv(state[:, :, :9].reshape(n, f, 3, 3))
+            Fp: Any = inv(state[:, :, :9].reshape(n, f, 3, 3))
             E = np.maximum(E, self.plastic_damage_criterion.of(self.elastic, states(pts, Fp)).reshape(n, f))
         dy = np.where(yielding, self._cdf(self.plastic_damage, pts, E), 0.0)
         state[:, :, _DY] = np.where(yielding, dy, state[:, :, _DY])

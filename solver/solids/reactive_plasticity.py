@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
 from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
@@ -141,7 +142,7 @@ class ReactivePlasticity(Solid):
             flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
             trial = Trial.start(base, self.yield_criterion, here, flat[rows], bool(self.isochoric))
             F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
-            flat[rows] = np.linalg.inv(here.F) @ F
+            flat[rows] = inv(here.F) @ F
             Us, Kv = flat.reshape(n, f, 3, 3), K.reshape(n, f)
         yielded = state[:, :, _Y] > 0
         w = np.where((w > 0) & ~yielded & (Kv < Ky / (1 + rtol)), 0.0, w)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..kernels.generations import since_birth
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
 from .batches import states
@@ -154,7 +155,7 @@ class _Bonds:
         self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any, wmin: Floats
     ) -> None:
         """Merge the oldest generation into the next where its fraction has fallen below wmin."""
-        w = self._weights(pts, gen, rate)[:, :2] * gen[:, :2, _R]
+        w = self._weights(pts, gen[:, :2], rate) * gen[:, :2, _R]
         thin = np.zeros(pts.n, bool)
         thin[who] = True
         thin &= (count >= 3) & (w[:, 0] < wmin)
@@ -169,34 +170,37 @@ class _Bonds:
         count[thin] -= 1
 
     def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
-        """(points as a batch of generations sees them, generations in it, weights (n, b), J (n, b))."""
+        """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
         n, top = pts.n, max(int(count.max(initial=0)), 1)
         w = self._weights(pts, gen[:, :top], rate) * gen[:, :top, _R]
         w = np.where(np.arange(top) < count[:, None], w, 0.0)
         w[count == 0, 0] = 1.0
-        has = np.arange(1, top) < count[:, None]
-        U = np.empty((n, top, 3, 3))
-        U[:, 0] = np.eye(3)
-        U[:, 1:] = np.where(has[..., None, None], matrix(gen[:, : top - 1, _U]), np.eye(3))
-        J = np.ones((n, top))
-        J[:, 1:] = np.where(has, gen[:, : top - 1, _J], 1.0)
         used = np.flatnonzero((w != 0.0).any(0))
         step = max(1, _BATCH // n) if not any(m.history for m in self.bond.walk()) else 1  # type: ignore[union-attr]
         for a in range(0, len(used), step):
             some = used[a : a + step]
-            yield self._repeat(pts, U[:, some], J[:, some]), len(some), w[:, some], J[:, some]
+            J = np.empty((n, len(some)))
+            yield self._repeat(pts, gen, count, some, J), len(some), w[:, some], J
 
-    def _repeat(self, pts: Points, U: Floats, J: Floats) -> Points:
-        """Each point once for each of b generations of birth state U (n, b, 3, 3)."""
-        F = pts.F[:, None] @ np.linalg.inv(U)
-        if U.shape[1] == 1:  # the bond may keep a history
-            out = replace(pts, F=np.ascontiguousarray(F[:, 0]), J=pts.J / J[:, 0])
+    def _repeat(self, pts: Points, gen: Floats, count: Floats, some: Any, J: Floats) -> Points:
+        """Each point once for each of b generations ``some``, since their birth; writes J at birth (n, b)."""
+        n, b = J.shape
+        F, Jg = np.empty((n * b, 3, 3)), np.empty(n * b)
+        since_birth(pts.F, pts.J, gen, count, some, _J, _U.start, F, Jg, J)
+        if b == 1:  # the bond may keep a history
+            out = replace(pts, F=F, J=Jg)
         else:
-            out = states(pts, F, pts.J[:, None] / J)
+            out = states(pts, F.reshape(n, b, 3, 3), Jg)
         if isinstance(self.bond, (ContinuousFibers, ContinuousFibersUncoupled)):
-            stretch = np.ascontiguousarray(U.reshape(-1, 3, 3))
-            out = replace(out, extra={**out.extra, "prestretch": stretch})
+            out = replace(out, extra={**out.extra, "prestretch": self._births(gen, count, some)})
         return out
+
+    @staticmethod
+    def _births(gen: Floats, count: Floats, some: Any) -> Floats:
+        """Stretches U at birth (n b, 3, 3) of generations ``some``."""
+        has = (some > 0) & (some < count[:, None])
+        U = np.where(has[..., None, None], matrix(gen[:, some - 1, _U]), np.eye(3))
+        return np.ascontiguousarray(U.reshape(-1, 3, 3))
 
     def _sum(self, pts: Points, s: Floats, c: Floats | None, strong: Law, bond: Law, rest: bool) -> None:
         within = self.inner(pts)  # type: ignore[attr-defined]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..kernels.push import congruence
+from ..matrices import det, eigh, inv
 from ..points import Points
 from .base import Floats
 from .batches import states
@@ -35,11 +36,11 @@ def central_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float 
     eye = np.eye(3)
 
     def kirchhoff(G: Floats) -> Floats:
-        J = np.linalg.det(G) * pts.J
+        J = det(G) * pts.J
         F = np.ascontiguousarray(G @ pts.F)
         tau = J[:, None] * stress(replace(pts, F=F, J=J, new=None))
         back = np.empty_like(tau)
-        congruence(np.ascontiguousarray(np.linalg.inv(G)), np.ones(n), tau, back)
+        congruence(np.ascontiguousarray(inv(G)), np.ones(n), tau, back)
         return back
 
     for m, (k, l) in enumerate(_PAIRS):
@@ -61,7 +62,7 @@ def secant_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float =
     for m, (k, l) in enumerate(_PAIRS):
         C[:, m + 1, k, l] += eps
         C[:, m + 1, l, k] += eps
-    w, V = np.linalg.eigh(C)
+    w, V = eigh(C)
     root = np.sqrt(w)
     U = (V * root[..., None, :]) @ np.swapaxes(V, -1, -2)
     Ui = (V / root[..., None, :]) @ np.swapaxes(V, -1, -2)

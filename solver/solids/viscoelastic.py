@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..kernels.push import congruence
+from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid
 from .registry import register
@@ -59,7 +60,7 @@ class _Series:
         decay, rise = np.exp(-x), -np.expm1(-x) / x
         at = self.offset  # type: ignore[attr-defined]
         Se = np.empty_like(se)
-        congruence(np.linalg.inv(pts.F), pts.J, se, Se)
+        congruence(inv(pts.F), pts.J, se, Se)
         old = np.zeros((pts.n, self.history)) if pts.old is None else pts.old[:, at : at + self.history]
         S = g[0][:, None] * Se
         now = np.empty((pts.n, self.history))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..matrices import eigh, eigvalsh
 from .base import Floats
 
 _AT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -22,7 +23,7 @@ def vector(m: Floats) -> Floats:
 
 def spectral(m: Floats, f: np.ufunc) -> Floats:
     """f of symmetric matrices (..., 3, 3) through their eigenvalues."""
-    w, V = np.linalg.eigh(m)
+    w, V = eigh(m)
     return (V * f(w)[..., None, :]) @ np.swapaxes(V, -1, -2)
 
 
@@ -33,7 +34,7 @@ def right_stretch(F: Floats) -> Floats:
 
 def distortion(F: Floats) -> Floats:
     """K2 = |dev ln V| (n,)."""
-    w = np.linalg.eigvalsh(F @ np.swapaxes(F, -1, -2))
+    w = eigvalsh(F @ np.swapaxes(F, -1, -2))
     h = 0.5 * np.log(np.maximum(w, 1e-300))
     return np.sqrt(((h - h.mean(-1, keepdims=True)) ** 2).sum(-1))
 

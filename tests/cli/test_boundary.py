@@ -75,6 +75,14 @@ def test_a_tissue_drives_a_cell_model(folder):
     assert back.steps[0].control.need("time_stepper").need("dtmax").lc is not None
 
 
+def test_a_driven_model_is_validated_without_a_warning(folder):
+    from febkit.feb import validate
+
+    run(folder, "tissue.nc", "cell.feb", "--at", "0,0,0", "-o", "d.feb")
+    assert "drive_" in (folder / "d.feb").read_text()
+    assert not [str(f) for f in validate(folder / "d.feb", solvable=True) if f.severity != "hint"]
+
+
 def test_several_points_make_several_files_and_a_dataset(folder):
     import xarray as xr
 

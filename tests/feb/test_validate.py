@@ -62,6 +62,22 @@ def test_a_long_formula_is_pointed_out(tmp_path):
     assert any("characters" in f.message and f.severity == "warning" for f in validate(tmp_path / "m.feb"))
 
 
+def test_a_material_that_formulas_read_needs_no_domain(tmp_path):
+    numbers = '<material id="4" name="numbers" type="neo-Hookean"><density>1</density><E>1</E><v>0</v></material>'
+    text = TEXT.replace("</Material>", numbers + "</Material>")
+    (tmp_path / "m.feb").write_text(text)
+    said = 'material "numbers" belongs to no domain'
+    assert [f.severity for f in validate(tmp_path / "m.feb") if f.message == said] == ["warning"]
+    formula = """<pressure type="math">2*${fem.material('numbers').E}"""
+    (tmp_path / "m.feb").write_text(text.replace('<pressure lc="1">0.2', formula))
+    assert said not in [f.message for f in validate(tmp_path / "m.feb")]
+
+
+def test_what_febkit_cannot_solve_is_said_with_its_line(tmp_path):
+    found = [f for f in validate(V4, solvable=True) if f.severity == "unsupported"]
+    assert any("rigid" in f.message for f in found) and all(f.where.line > 0 for f in found)
+
+
 def test_unreadable_files_give_one_error(tmp_path):
     (tmp_path / "m.feb").write_text(TEXT.replace("</Mesh>", "", 1))
     found = validate(tmp_path / "m.feb")

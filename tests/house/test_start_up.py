@@ -52,6 +52,24 @@ def test_a_new_model_does_not_import_numba(tmp_path: Path) -> None:
     assert _loaded(args, ("numba", "llvmlite", "matplotlib", "dask")) == set()
 
 
+def test_saying_what_can_be_solved_does_not_import_numba() -> None:
+    """All the solver's tables and laws come without numba: kernels are compiled when they are called."""
+    program = (
+        "import sys, pkgutil, importlib, febkit.lower\n"
+        "names = []\n"
+        "for n in ('elements', 'kernels', 'loads', 'permeabilities', 'solids', 'supplies'):\n"
+        "    package = importlib.import_module('febkit.solver.' + n)\n"
+        "    names += [m.name for m in pkgutil.walk_packages(package.__path__, package.__name__ + '.')]\n"
+        "for n in names: importlib.import_module(n)\n"
+        "from febkit.feb import validate\n"
+        f"found = validate({str(MODEL)!r}, solvable=True)\n"
+        "assert not [f for f in found if f.severity in ('error', 'unsupported')], found\n"
+        "print(len(names) > 100, 'numba' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["True", "False"], done.stderr
+
+
 def test_reading_does_not_import_numba() -> None:
     program = f"import sys, febkit; febkit.read({str(MODEL)!r}); print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

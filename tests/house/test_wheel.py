@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SHIPPED = ("febkit", "solver", "templates", "pyproject.toml", "README.md", "LICENSE")
+SHIPPED = ("febkit", "solver", "templates", "pyproject.toml", "setup.py", "febkit_meshio.pth", "README.md", "LICENSE")
 
 
 @pytest.fixture(scope="module")
@@ -44,9 +44,30 @@ def _febkit(site: Path, folder: Path, *args: str) -> str:
     return done.stdout
 
 
-def test_nothing_else_lands_in_site_packages(site: Path) -> None:
+def test_little_else_lands_in_site_packages(site: Path) -> None:
     names = {p.name for p in site.iterdir() if not p.name.endswith(".dist-info")} - {"bin", "Scripts", "__pycache__"}
-    assert names == {"febkit"}
+    assert names == {"febkit", "febkit_meshio.pth"}
+    record = next(site.glob("febkit-*.dist-info/RECORD")).read_text()
+    assert "febkit_meshio.pth" in record  # so that it is uninstalled with the rest
+
+
+READ = """
+import sys, site
+site.addsitedir({site!r})
+assert not [m for m in sys.modules if m.split(".")[0] == "febkit"], "starting Python must not load febkit"
+import meshio
+assert ("febkit.feb" in sys.modules) is False, "nor must meshio load its readers"
+print(len(meshio.read({model!r}).points))
+"""
+
+
+def test_meshio_reads_feb_files_without_a_word_of_febkit(site: Path, tmp_path: Path) -> None:
+    pytest.importorskip("meshio")
+    (tmp_path / "m.feb").write_bytes((ROOT / "examples" / "unconfined_compression.feb").read_bytes())
+    program = READ.format(site=str(site), model=str(tmp_path / "m.feb"))
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 100
 
 
 def test_makes_and_solves_a_model(site: Path, tmp_path: Path) -> None:

@@ -241,7 +241,7 @@ def group(kind: str, s: SimpleNamespace, mixture: Any = None) -> tuple[SimpleNam
     )
 
     def update() -> None:
-        solid_kernels.kinematics(0, 1, s.x, conn, e.dN, iJ0, F, J)
+        solid_kernels.kinematics(0, 1, s.x - s.X, conn, e.dN, iJ0, F, J)
 
     update()
     return out, update
