@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..kernels.generations import since_birth
+from ..matrices import det, inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
 from .batches import states
@@ -89,7 +90,7 @@ class _Bonds:
         last = np.maximum(count - 1, 0).astype(int)
         U = matrix(gen[np.arange(len(F)), last, _U])
         U[count == 0] = np.eye(3)
-        Fu = F @ np.linalg.inv(U)
+        Fu = F @ inv(U)
         return self._scalar(Fu)
 
     def _scalar(self, F: Floats) -> Floats:
@@ -97,7 +98,7 @@ class _Bonds:
             return norm(strain(F))
         if self.trigger == 1:
             return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
-        return np.abs(np.log(np.linalg.det(F)))
+        return np.abs(np.log(det(F)))
 
     def _slack(self, pts: Points, law: Law) -> Any:
         """Where both parts are fibers that bear no load, no generation starts."""
@@ -116,7 +117,7 @@ class _Bonds:
         gen = old[:, _HEAD:].reshape(pts.n, self.capacity, _EACH).copy()
         rate = np.zeros((pts.n, 1))
         if pts.dt > 0:
-            L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ np.linalg.inv(pts.F) / pts.dt
+            L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ inv(pts.F) / pts.dt
             rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
         wmin, emin = self.par(pts).T  # type: ignore[attr-defined]
         eps = np.maximum(emin, 10 * np.finfo(float).eps)
@@ -164,7 +165,7 @@ class _Bonds:
         a, b = w[thin, 0, None], w[thin, 1, None]
         mean = (a * gen[thin, 0] + b * gen[thin, 1]) / (a + b)
         U = matrix(mean[:, _U])
-        mean[:, _J], mean[:, _K] = np.linalg.det(U), distortion(U)
+        mean[:, _J], mean[:, _K] = det(U), distortion(U)
         gen[thin, :-1] = gen[thin, 1:]
         gen[thin, 0] = mean
         count[thin] -= 1
