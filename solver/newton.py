@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clock import Clock
+from .factors import Factors
 from .group import NegativeJacobian
 from .linear.base import LinearError, LinearSolver, Matrix
 from .linear.krylov import gmres
@@ -21,25 +22,10 @@ from .vectors import dot
 Floats = NDArray[np.float64]
 
 
-# when an old factorisation is used again: dt within this factor, first direction to this accuracy
-REUSE_RATIO = 4.0
-GMRES_TOLERANCE = 0.03
+GMRES_TOLERANCE, RETRY_TOLERANCE = 0.03, 1e-3  # of a first direction by an old factorisation; of one for a retry
 GMRES_MOST = 12
-RETRY_RATIO, RETRY_TOLERANCE = 1.3, 1e-3  # the same for a step that is tried again with a smaller dt
-STALE_LEAST, STALE_MOST = 5, 12  # bounds of the iterations given to an old factorisation before a new one is made
-KEEP = 2  # factorisations kept: steps alternate between long ones and short ones before must points
 CALM = 3  # easy steps before an old factorisation is tried: in a violent phase the answer hangs on the step sizes
 EASY = 8  # iterations up to which FEBio's stepper grows the step at its full rate: within, ours is the same
-
-
-@dataclass(slots=True)
-class Factor:
-    """A factorisation, the step size it was made for, and the start (time) of the step if it was made there."""
-
-    dt: float
-    solver: LinearSolver
-    start: float = np.nan
-    used: int = 0
 
 
 class NotConverged(RuntimeError):
@@ -92,8 +78,8 @@ class Newton:
         self, system: System, make_solver: Callable[[], LinearSolver], watch: Callable[[Iteration], None],
         clock: Clock | None = None, reuse: bool = False,
     ) -> None:
-        self.system, self.make_solver, self.watch, self.clock = system, make_solver, watch, clock or Clock()
-        self.solver = make_solver()
+        self.system, self.watch, self.clock = system, watch, clock or Clock()
+        self.factors = Factors(make_solver)
         self.options = system.step.newton
         method = METHODS.get(self.options.method, FullNewton)
         if self.options.updates == 0:
@@ -102,8 +88,6 @@ class Newton:
         self._fresh_qn: Any = method(self._back, self.options)
         self._anderson = Anderson(self._back, self.options)
         self.qn: Any = self._fresh_qn
-        self._factors: list[Factor] = []
-        self._uses = 0
         self._stale = False
         self._calm = 0  # steps since one that was hard
         self._left = np.inf  # last increment over the one allowed
@@ -124,22 +108,19 @@ class Newton:
         x[self.given] = b[self.given]
         if len(self.rows):
             with self.clock("linear solves"):
-                x[self.rows] = self.solver.solve(b[self.rows])
+                x[self.rows] = self.factors.solver.solve(b[self.rows])
         return x
 
     def _reform(self, step: Floats) -> Floats:
         """Renew and factorise the tangent; returns minus its prescribed columns times ``step``."""
-        if self.count.reforms >= self.options.max_reforms:
-            raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
         with self.clock("tangent"):
             A, Fd = self.system.tangent(step)
         if A.n:
             if not np.isfinite(A.data).all():
                 raise NotConverged("the tangent holds a number that is not finite")
             if self.reuse:
-                self._keep_factor(A)
-            else:
-                self._factorise(A)
+                self.factors.renew(self.system.state.dt, np.nan)
+            self._factorise(A)
         self._stale = False
         return Fd
 
@@ -148,23 +129,6 @@ class Newton:
     def stale(self) -> bool:
         """True where the present step leans on a factorisation of an earlier one."""
         return self._stale
-
-    def _kept(self) -> Factor | None:
-        """The kept factorisation whose step size is nearest, where it may serve the coming step."""
-        return None if self.force_reform or self._calm < CALM else self._nearest(self._factors, REUSE_RATIO)
-
-    def _of_this_start(self) -> Factor | None:
-        """A factorisation of the very state the step starts from, for a step that is tried again."""
-        start = self.system.state.time - self.system.state.dt
-        if self._worth < STALE_MOST:
-            return None
-        return self._nearest([f for f in self._factors if abs(f.start - start) <= 1e-12 * abs(start)], RETRY_RATIO)
-
-    def _nearest(self, factors: list[Factor], most: float) -> Factor | None:
-        dt = self.system.state.dt
-        ratios = [(max(dt / f.dt, f.dt / dt), k) for k, f in enumerate(factors)]
-        best = min(ratios, default=(np.inf, -1))
-        return factors[best[1]] if best[0] <= most else None
 
     def _start(self, du: Floats) -> tuple[Floats, Floats | None]:
         """Residual with prescribed increments at the start of a step, and a direction where one is found."""
@@ -177,9 +141,10 @@ class Newton:
         if not np.isfinite(A.data).all():
             raise NotConverged("the tangent holds a number that is not finite")
         R0 = self._residual() + Fd
-        kept, again = self._kept(), self._of_this_start()
+        dt, start = self.system.state.dt, self.system.state.time - self.system.state.dt
+        kept = None if self.force_reform or self._calm < CALM else self.factors.near(dt)
         if kept is not None:
-            self._take(kept)
+            self.factors.take(kept)
             self._stale, self.qn = True, self._anderson
             self.qn.reset()
             u, z = self._direction(A, R0, GMRES_TOLERANCE)
@@ -188,45 +153,29 @@ class Newton:
                 return R0, u
             self._stale = False
         self.qn = self._fresh_qn
+        again = self.factors.of_start(start, dt)
         if again is not None:
-            self._take(again)
+            self.factors.take(again)
             self.qn.reset()
             u, _ = self._direction(A, R0, RETRY_TOLERANCE)
             if u is not None:
                 return R0, u
-        self._keep_factor(A, self.system.state.time - self.system.state.dt)
+        self.factors.renew(dt, start)
+        self._factorise(A)
         return R0, self._direction(A, R0, GMRES_TOLERANCE)[0]
 
-    def _take(self, f: Factor) -> None:
-        self._uses += 1
-        self.solver, f.used = f.solver, self._uses
-
     def _direction(self, A: Matrix, R0: Floats, tolerance: float) -> tuple[Floats | None, Floats]:
-        """The Newton direction by GMRES with the factorisation M at hand (None where it does not serve), and M^-1 R0."""
+        """Newton direction by GMRES with the factorisation M at hand (None where it does not serve), and M^-1 R0."""
         u, z, rows = R0.copy(), R0.copy(), self.rows
         with self.clock("linear solves"):
-            u[rows], z[rows], error = gmres(A, R0[rows], self.solver.solve, tolerance, GMRES_MOST)
+            u[rows], z[rows], error = gmres(A, R0[rows], self.factors.solver.solve, tolerance, GMRES_MOST)
         return (u if error < tolerance else None), z
 
-    def _keep_factor(self, A: Matrix, start: float = np.nan) -> None:
-        """Factorise for the present step size, in place of one that could have served or of the longest unused."""
-        dt, near = self.system.state.dt, self._nearest(self._factors, REUSE_RATIO)
-        if near is not None:
-            f = near
-        elif len(self._factors) < KEEP:
-            f = Factor(dt, self.make_solver())
-            self._factors.append(f)
-        else:
-            f = min(self._factors, key=lambda f: f.used)
-        f.dt, f.start = dt, start
-        self._take(f)
+    def _factorise(self, A: Matrix) -> None:
         if self.count.reforms >= self.options.max_reforms:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
-        self._factorise(A)
-
-    def _factorise(self, A: Matrix) -> None:
         with self.clock("factorisation"):
-            self.solver.factor(A)
+            self.factors.solver.factor(A)
         self.count.reforms += 1
         self.count.total_reforms += 1
         self.qn.reset()
@@ -245,8 +194,7 @@ class Newton:
 
     def close(self) -> None:
         """Free all factorisations."""
-        for solver in [self.solver, *[f.solver for f in self._factors]]:
-            solver.close()
+        self.factors.close()
 
     # ---- line search ------------------------------------------------------------------------------
     def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
@@ -395,17 +343,9 @@ class Newton:
         ]  # fmt: skip
         before, self._left = self._left, max(left, default=1.0)
         if done < 2 or self._left <= 1.0:
-            return done >= self._worth
+            return done >= self.factors.worth
         rate = self._left / before
-        return rate >= 0.9 or done + np.log(self._left) / -np.log(rate) > self._worth
-
-    @property
-    def _worth(self) -> float:
-        """Iterations that take as long as a factorisation: about 3 nnz(L)^2 / n against 4 nnz(L) operations, the
-        latter sixteen times slower for being bound by memory, and as much again for residual and stresses."""
-        stats = self.solver.stats
-        ratio = stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 64.0
-        return float(np.clip(ratio, STALE_LEAST, STALE_MOST))
+        return rate >= 0.9 or done + np.log(self._left) / -np.log(rate) > self.factors.worth
 
     def _update(self, s: float, u: Floats, R0: Floats, R1: Floats, report: dict[str, Norm]) -> None:
         reform, self.force_reform = self.force_reform, False
