@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from .group import Chunk, Group
 
 MOST = 256  # elements of a chunk: its points' strains, stresses and tangents stay in the cache
-LEAST = 64  # elements that are worth a thread
+LEAST = 256  # elements that are worth a second thread
+FEWEST = 64  # elements of a chunk where there are threads to share them
 
 
 @dataclass(slots=True)
@@ -39,7 +40,7 @@ class Share:
 
 def chunk_size(elements: int, threads: int) -> int:
     """Elements of a chunk, so that every thread has several of them and none is too large for the cache."""
-    return max(min(MOST, -(-elements // (2 * threads))), LEAST)
+    return max(min(MOST, -(-elements // (2 * threads))), FEWEST)
 
 
 class Schedule:

@@ -47,8 +47,7 @@ class System:
     def _active(self) -> NDArray[np.bool_]:
         active = np.zeros(self.state.d.shape, bool)
         for g in self.groups:
-            nodes = np.unique(g.conn)
-            active[nodes, : g.columns] = True
+            active[g.conn.ravel(), : g.columns] = True
         return active
 
     def _begin_conditions(self) -> None:

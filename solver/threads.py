@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 T = TypeVar("T")
 
@@ -19,19 +21,25 @@ def available() -> int:
 
 
 class Team:
-    """``n`` threads, the caller's one among them; ``n = 1`` starts none."""
+    """``n`` threads, the caller's one among them; the others start with the first work for them."""
 
     def __init__(self, n: int = 0) -> None:
         self.n = n or available()
-        self._pool = ThreadPoolExecutor(self.n - 1, "febkit") if self.n > 1 else None
+        self._pool: ThreadPoolExecutor | None = None
 
     def map(self, work: Callable[[int], T], k: int) -> list[T]:
         """``[work(0), ..., work(k - 1)]``, item 0 on the calling thread.
 
         All end before this returns or raises the failure of the lowest item.
         """
-        if k == 1 or self._pool is None:
+        if k == 1 or self.n == 1:
             return [work(i) for i in range(k)]
+        if self._pool is None:
+            from concurrent.futures import ThreadPoolExecutor
+
+            self._pool = ThreadPoolExecutor(self.n - 1, "febkit")
+        from concurrent.futures import wait
+
         later = [self._pool.submit(work, i) for i in range(1, k)]
         try:
             first = work(0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from xml.sax.saxutils import escape, quoteattr
-
 import numpy as np
 
 from .document import Tag
@@ -17,8 +15,18 @@ def attributes(attrs: dict[str, str]) -> str:
     return "".join(f" {k}={_quoted(v)}" for k, v in attrs.items())
 
 
+def escape(text: str) -> str:
+    """Text between tags. (The standard library's way imports what opens web pages.)"""
+    return text.replace("&", "&amp;").replace(">", "&gt;").replace("<", "&lt;")
+
+
 def _quoted(v: str) -> str:
-    return f'"{v}"' if v.isalnum() else quoteattr(v, {"\n": "&#10;", "\t": "&#9;", "\r": "&#13;"})
+    if v.isalnum():
+        return f'"{v}"'
+    text = escape(v).replace("\n", "&#10;").replace("\t", "&#9;").replace("\r", "&#13;")
+    if '"' not in text:
+        return f'"{text}"'
+    return f"'{text}'" if "'" not in text else '"' + text.replace('"', "&quot;") + '"'
 
 
 def table_text(t: Table, indent: str) -> str:

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from .base import LinearError, LinearSolver
 
-DENSE_LIMIT = 150  # equations below which loading MKL costs more than all dense solves of a run
+DENSE_LIMIT = 250  # equations below which loading MKL costs more than all dense solves of a run
+PARALLEL = 3000  # equations below which threads cost a factorisation more than they save, most of all on a busy machine
 
 
 def choose(name: str, equations: int, threads: int, single: bool = False) -> LinearSolver:
-    """``auto``: dense LU up to 150 equations, else MKL PARDISO, else SuperLU. Others force one.
+    """``auto``: dense LU up to 250 equations, else MKL PARDISO, else SuperLU. Others force one.
 
     ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
     """
-    from .pardiso import Pardiso, library
-    from .superlu import SuperLU
-
-    if name == "auto":
-        name = "dense" if equations <= DENSE_LIMIT else "pardiso" if library() is not None else "superlu"
-    if name == "dense":
+    if name == "dense" or (name == "auto" and equations <= DENSE_LIMIT):
         from .dense import Dense
 
         return Dense()
-    if name == "pardiso":
-        return Pardiso(threads, single)
-    if name == "superlu":
+    from .pardiso import Pardiso, library
+
+    if name == "pardiso" or (name == "auto" and library() is not None):
+        return Pardiso(threads if equations >= PARALLEL else 1, single)
+    if name in ("auto", "superlu"):
+        from .superlu import SuperLU
+
         return SuperLU()
     raise LinearError(f"unknown linear solver {name!r}: use auto, pardiso, superlu or dense")

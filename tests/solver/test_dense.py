@@ -1,0 +1,60 @@
+"""Dense LU of small systems against LAPACK, and when it is chosen."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from febkit.solver.linear.base import LinearError, Matrix
+from febkit.solver.linear.choose import DENSE_LIMIT, choose
+from febkit.solver.linear.dense import Dense
+
+
+def _compressed(M: np.ndarray, symmetric: bool) -> Matrix:
+    rows, columns = np.nonzero((np.triu(M) if symmetric else M) + np.eye(len(M)))
+    indptr = np.zeros(len(M) + 1, np.int32)
+    np.cumsum(np.bincount(rows, minlength=len(M)), out=indptr[1:])
+    return Matrix(indptr, columns.astype(np.int32), M[rows, columns].copy(), symmetric)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize("n", [1, 2, 7, 150])
+def test_as_lapack(n: int, symmetric: bool) -> None:
+    rng = np.random.default_rng(n)
+    M = np.where(rng.random((n, n)) < 0.3, rng.normal(size=(n, n)), 0.0) + 2.0 * np.diag(rng.choice([-1, 1], n))
+    units = 10.0 ** rng.uniform(-8, 8, n)  # displacement and pressure rows in any units
+    M = (M + M.T if symmetric else M) * units[:, None] * units
+    solver = Dense()
+    solver.factor(_compressed(M, symmetric))
+    for _ in range(2):
+        b = rng.normal(size=n)
+        kept = b.copy()
+        x = solver.solve(b)
+        np.testing.assert_array_equal(b, kept)
+        np.testing.assert_allclose(M @ x, b, rtol=1e-6, atol=1e-8 * np.abs(M * x).max())
+
+
+def test_rows_are_exchanged_where_a_pivot_is_zero() -> None:
+    solver = Dense()
+    solver.factor(_compressed(np.array([[0.0, 2.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.0, 5.0]]), False))
+    np.testing.assert_allclose(solver.solve(np.array([2.0, 6.0, 5.0])), [2.0, 1.0, 1.0], rtol=1e-15)
+
+
+@pytest.mark.parametrize("M", [np.zeros((2, 2)), np.ones((3, 3)), np.diag([1.0, 0.0])])
+def test_a_singular_matrix_is_said(M: np.ndarray) -> None:
+    with pytest.raises(LinearError, match="singular"):
+        Dense().factor(_compressed(M, False))
+
+
+def test_small_scenes_load_neither_mkl_nor_scipy() -> None:
+    assert isinstance(choose("auto", DENSE_LIMIT, 2), Dense)
+    program = (
+        "import sys; from febkit.solver.linear.choose import choose; choose('auto', 100, 2)\n"
+        "maps = open('/proc/self/maps').read() if sys.platform == 'linux' else ''\n"
+        "print('scipy' in sys.modules, 'libmkl' in maps)"
+    )
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert said.stdout.split() == ["False", "False"]
