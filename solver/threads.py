@@ -34,12 +34,10 @@ class Team:
         """
         if k == 1 or self.n == 1:
             return [work(i) for i in range(k)]
+        from concurrent.futures import ThreadPoolExecutor, wait  # nothing a small scene should pay for
+
         if self._pool is None:
-            from concurrent.futures import ThreadPoolExecutor
-
             self._pool = ThreadPoolExecutor(self.n - 1, "febkit")
-        from concurrent.futures import wait
-
         later = [self._pool.submit(work, i) for i in range(1, k)]
         try:
             first = work(0)
