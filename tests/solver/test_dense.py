@@ -10,7 +10,7 @@ import pytest
 
 from febkit.solver.linear.base import LinearError, Matrix
 from febkit.solver.linear.choose import DENSE_LIMIT, choose
-from febkit.solver.linear.dense import Dense
+from febkit.solver.linear.dense import Dense, narrow
 
 
 def _compressed(M: np.ndarray, symmetric: bool) -> Matrix:
@@ -35,6 +35,28 @@ def test_as_lapack(n: int, symmetric: bool) -> None:
         x = solver.solve(b)
         np.testing.assert_array_equal(b, kept)
         np.testing.assert_allclose(M @ x, b, rtol=1e-6, atol=1e-8 * np.abs(M * x).max())
+
+
+def test_unknowns_are_ordered_into_a_band() -> None:
+    n, shuffled = 60, np.random.default_rng(3).permutation(60)
+    band = np.abs(np.subtract.outer(np.arange(n), np.arange(n))) <= 2
+    order = narrow(band[np.ix_(shuffled, shuffled)])
+    assert sorted(order) == list(range(n))
+    i, j = np.nonzero(band[np.ix_(shuffled[order], shuffled[order])])
+    assert np.abs(i - j).max() <= 4
+
+
+def test_bodies_apart_are_all_ordered() -> None:
+    joined = np.kron(np.eye(5), np.ones((3, 3))).astype(bool)
+    assert sorted(narrow(joined)) == list(range(15))
+
+
+def test_a_new_pattern_is_seen() -> None:
+    solver = Dense()
+    for n in (4, 6):
+        M = 3.0 * np.eye(n) + np.eye(n, k=1)
+        solver.factor(_compressed(M, False))
+        np.testing.assert_allclose(M @ solver.solve(np.arange(n, dtype=float)), np.arange(n), atol=1e-14)
 
 
 def test_rows_are_exchanged_where_a_pivot_is_zero() -> None:
