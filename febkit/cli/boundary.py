@@ -41,7 +41,8 @@ class Options:
 @click.option("--at", multiple=True, metavar="X,Y,Z", help="Point of the tissue; may be repeated.")
 @click.option("--points", type=FILE, help="CSV file of points: columns x, y, z and, if you like, name.")
 @click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
-@click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: 1].")
+@click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: that of the "
+              "displacement, at most 2].")
 @click.option("--recovery", type=click.Choice(["patches", "polynomial", "element"]), help="How derivatives "
               "are found: superconvergent patch recovery [default]; a least-squares polynomial on the patch "
               "around the point; or the element's own (no pure second derivatives in a linear brick).")
@@ -69,7 +70,7 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
     """Drive the surface of CELL (.feb) by SOURCE: a solved tissue (.xplt, .nc) or F(t), p(t) (.csv, .nc).
 
     \b
-    febkit boundary tissue.xplt cell.feb --at 0,0,0 --order 2 --fluid-order 1 -o driven.feb
+    febkit boundary tissue.xplt cell.feb --at 0,0,0 --order 2 -o driven.feb
     febkit boundary tissue.xplt cell.feb --points cells.csv --dataset series.nc
     febkit boundary experiment.csv cell.feb -o driven.feb
     """
@@ -136,7 +137,7 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     places, names = _places(at, points)
     if options.overlay:
         return field, None
-    order = max(2 if options.order is None else options.order, options.fluid_order or 1)
+    order = max(2 if options.order is None else options.order, options.fluid_order or 0)
     return field, series(field, places, order=order, names=names, recovery=options.recovery, beyond=True)
 
 
@@ -243,10 +244,9 @@ def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: in
     if driving is None:
         assert tissue is not None
         return overlay(tissue, X, place, rigid=options.rigid, origin=origin)
-    solid, fluid = orders(driving)
-    order = min(2, solid) if options.order is None else options.order
-    flow = max(min(1, fluid), 0) if options.fluid_order is None else options.fluid_order
-    return handoff(driving, X, point=point, order=order, fluid_order=flow, rigid=options.rigid, origin=origin)
+    order = min(2, orders(driving)[0]) if options.order is None else options.order
+    return handoff(driving, X, point=point, order=order, fluid_order=options.fluid_order, rigid=options.rigid,
+                   origin=origin)
 
 
 def _nodes(model: Model, node_set: str | None) -> Any:

@@ -13,7 +13,7 @@ from febkit.model import InputError
 from .derivatives import apply, by_element, monomials
 from .field import Field, from_dataset
 from .location import locate, require_inside
-from .taylor import coefficients, series
+from .taylor import coefficients, orders, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,14 +74,17 @@ def evaluate(coefficient: Floats, offset: Floats) -> Floats:
     return np.asarray(np.matmul(basis[None], coefficient))
 
 
-def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int = 2, fluid_order: int = 1,
-            rigid: str = "drop", origin: Any = (0.0, 0.0, 0.0)) -> Handoff:
+def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int = 2,
+            fluid_order: int | None = None, rigid: str = "drop", origin: Any = (0.0, 0.0, 0.0)) -> Handoff:
     """Histories at nodes ``X`` (n, 3) of a cell model from one point of a driving dataset.
 
     u = x - X with x = F X + 1/2 G XX (+ 1/6 G3 XXX), p = p0 + grad p X (+ 1/2 H XX + 1/6 H3 XXX); X counts
     from ``origin``, the place in the cell model that stands for the point. ``rigid``: "drop" the point's own
     displacement (the study's way), "keep" it, or "drop-all", its rotation too (R of F = R U).
+    ``fluid_order`` None: the solid's, but at most 2 and what the driving data hold (see docs/handoff.md).
     """
+    if fluid_order is None:
+        fluid_order = max(min(order, 2, orders(driving)[1]), 0)
     _check(order, fluid_order, rigid)
     u, p = coefficients(driving, point, order, fluid_order)
     times = np.asarray(driving["time"].values, dtype=float)

@@ -102,10 +102,12 @@ def table(found: dict[str, dict[str, float]]) -> str:
     names = ["surface u", "surface p", "u inside", "p inside", *METRICS.values()]
     lines = [f"| case | recovery | order | {' | '.join(names)} |", "|---" * (3 + len(names)) + "|"]
     for key, row in found.items():
-        case, order, recovery = [*key.split(), "patches"][:3]
+        case, order, recovery = [*key.split(), ""][:3]
         cells = [f"{row[n]:.0e}" if n.startswith("surface") else f"{row[n]:.3f}"[1:] if row[n] < 1 else f"{row[n]:.2f}"
                  for n in names if n in row]  # fmt: skip
-        cells = [""] * (len(names) - len(cells)) + cells
+        cells = [""] * (len(names) - len(cells)) + cells  # an overlay has no series
+        if order == "overlay":
+            order, recovery = "", "overlay"
         lines.append(f"| {case} | {recovery} | {order} | {' | '.join(cells)} |")
     return "\n".join(lines)
 

@@ -38,6 +38,9 @@ def test_a_tissue_of_degree_n_is_handed_off_exactly_by_order_n(kind, recovery, d
 def test_orders_of_solid_and_fluid_are_apart():
     _, p, f = tissue()
     ds = series(f, AT)
+    for order in (1, 2):  # of the pressure: as the solid's where nothing is said
+        alike = handoff(ds, X, order=order, fluid_order=order)
+        assert np.array_equal(handoff(ds, X, order=order).p, alike.p)
     first = handoff(ds, X, order=1, fluid_order=2)
     assert np.abs(first.p[1] - p(X + AT)[:, 0]).max() < 1e-10
     F = ds["F"].values[0, 1]
