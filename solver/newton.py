@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clock import Clock
-from .factors import Factors
 from .group import NegativeJacobian
+from .inverse import Inverse
 from .linear.base import LinearError, LinearSolver, Matrix
-from .linear.krylov import gmres
 from .problem import P
 from .quasi_newton import METHODS, Anderson, FullNewton
 from .system import System
@@ -22,8 +21,6 @@ from .vectors import dot
 Floats = NDArray[np.float64]
 
 
-GMRES_TOLERANCE, RETRY_TOLERANCE = 0.03, 1e-3  # of a first direction by an old factorisation; of one for a retry
-GMRES_MOST = 12
 CALM = 3  # easy steps before an old factorisation is tried: in a violent phase the answer hangs on the step sizes
 EASY = 8  # iterations up to which FEBio's stepper grows the step at its full rate: within, ours is the same
 
@@ -57,7 +54,7 @@ class Counts:
     iterations: int = 0
     residuals: int = 0
     reforms: int = 0
-    total_reforms: int = 0
+    factorisations: int = 0
     augmentations: int = 0
 
 
@@ -79,14 +76,14 @@ class Newton:
         clock: Clock | None = None, reuse: bool = False,
     ) -> None:
         self.system, self.watch, self.clock = system, watch, clock or Clock()
-        self.factors = Factors(make_solver)
+        self.inverse = Inverse(make_solver, self.clock)
         self.options = system.step.newton
         method = METHODS.get(self.options.method, FullNewton)
         if self.options.updates == 0:
             method = FullNewton
         self.reuse = reuse and method is not FullNewton
-        self._fresh_qn: Any = method(self._back, self.options)
-        self._anderson = Anderson(self._back, self.options)
+        self._fresh_qn: Any = method(lambda b: self._on_rows(self.inverse.solve, b), self.options)
+        self._anderson = Anderson(lambda b: self._on_rows(self.inverse.once, b), self.options)
         self.qn: Any = self._fresh_qn
         self._stale = False
         self._calm = 0  # steps since one that was hard
@@ -103,26 +100,35 @@ class Newton:
         self.augments = any(g.block.augment is not None for g in system.groups)
 
     # ---- pieces -----------------------------------------------------------------------------------
-    def _back(self, b: Floats) -> Floats:
-        x = np.empty_like(b)
-        x[self.given] = b[self.given]
+    def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
+        """Solve for the free unknowns; prescribed ones keep b."""
+        x = b.copy()
         if len(self.rows):
-            with self.clock("linear solves"):
-                x[self.rows] = self.factors.solver.solve(b[self.rows])
+            x[self.rows] = solve(b[self.rows])
         return x
 
-    def _reform(self, step: Floats) -> Floats:
-        """Renew and factorise the tangent; returns minus its prescribed columns times ``step``."""
+    def _tangent(self, step: Floats) -> tuple[Matrix, Floats]:
         with self.clock("tangent"):
             A, Fd = self.system.tangent(step)
-        if A.n:
-            if not np.isfinite(A.data).all():
-                raise NotConverged("the tangent holds a number that is not finite")
-            if self.reuse:
-                self.factors.renew(self.system.state.dt, np.nan)
-            self._factorise(A)
+        if not np.isfinite(A.data).all():
+            raise NotConverged("the tangent holds a number that is not finite")
+        return A, Fd
+
+    def _reform(self, step: Floats) -> Floats:
+        """Renew the tangent and its inverse; returns minus its prescribed columns times ``step``."""
+        A, Fd = self._tangent(step)
+        self._invert(A)
         self._stale = False
         return Fd
+
+    def _invert(self, A: Matrix) -> None:
+        if self.count.reforms >= self.options.max_reforms:
+            raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
+        dt = self.system.state.dt
+        if A.n and not (self.reuse and self.inverse.approach(A, dt)):
+            self.inverse.factorise(A, dt)
+        self.count.reforms += 1
+        self.qn.reset()
 
     # ---- factorisations used again ----------------------------------------------------------------
     @property
@@ -136,49 +142,21 @@ class Newton:
         if not self.reuse:
             Fd = self._reform(du)
             return self._residual() + Fd, None
-        with self.clock("tangent"):
-            A, Fd = self.system.tangent(du)
-        if not np.isfinite(A.data).all():
-            raise NotConverged("the tangent holds a number that is not finite")
-        R0 = self._residual() + Fd
-        dt, start = self.system.state.dt, self.system.state.time - self.system.state.dt
-        kept = None if self.force_reform or self._calm < CALM else self.factors.near(dt)
+        A, Fd = self._tangent(du)
+        R0, dt = self._residual() + Fd, self.system.state.dt
+        kept = None if self.force_reform or self._calm < CALM else self.inverse.near(dt)
         if kept is not None:
-            self.factors.take(kept)
-            self._stale, self.qn = True, self._anderson
-            self.qn.reset()
-            u, z = self._direction(A, R0, GMRES_TOLERANCE)
-            if u is not None:
+            u, z = R0.copy(), R0.copy()
+            first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows])
+            if first is not None:
+                self._stale, self.qn = True, self._anderson
+                self.qn.reset()
                 self._anderson.first(z)
+                u[self.rows] = first
                 return R0, u
-            self._stale = False
         self.qn = self._fresh_qn
-        again = self.factors.of_start(start, dt)
-        if again is not None:
-            self.factors.take(again)
-            self.qn.reset()
-            u, _ = self._direction(A, R0, RETRY_TOLERANCE)
-            if u is not None:
-                return R0, u
-        self.factors.renew(dt, start)
-        self._factorise(A)
-        return R0, self._direction(A, R0, GMRES_TOLERANCE)[0]
-
-    def _direction(self, A: Matrix, R0: Floats, tolerance: float) -> tuple[Floats | None, Floats]:
-        """Newton direction by GMRES with the factorisation M at hand (None where it does not serve), and M^-1 R0."""
-        u, z, rows = R0.copy(), R0.copy(), self.rows
-        with self.clock("linear solves"):
-            u[rows], z[rows], error = gmres(A, R0[rows], self.factors.solver.solve, tolerance, GMRES_MOST)
-        return (u if error < tolerance else None), z
-
-    def _factorise(self, A: Matrix) -> None:
-        if self.count.reforms >= self.options.max_reforms:
-            raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
-        with self.clock("factorisation"):
-            self.factors.solver.factor(A)
-        self.count.reforms += 1
-        self.count.total_reforms += 1
-        self.qn.reset()
+        self._invert(A)
+        return R0, self._on_rows(self.inverse.refined, R0)
 
     def _residual(self) -> Floats:
         self.count.residuals += 1
@@ -194,7 +172,7 @@ class Newton:
 
     def close(self) -> None:
         """Free all factorisations."""
-        self.factors.close()
+        self.inverse.close()
 
     # ---- line search ------------------------------------------------------------------------------
     def _line_search(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
@@ -258,6 +236,16 @@ class Newton:
     def step(self) -> Counts:
         """Solve the present time step. Raises NotConverged, NegativeJacobian or LinearError."""
         self.count, self._renewed, self._left = Counts(), False, np.inf
+        made = self.inverse.made
+        try:
+            self._solve_step()
+        finally:
+            self.count.factorisations = self.inverse.made - made
+        self.total = self.total + self.increment
+        self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
+        return self.count
+
+    def _solve_step(self) -> None:
         sys_, o = self.system, self.options
         self.increment = np.zeros_like(self.total)
         self.target = sys_.targets(sys_.state.time)
@@ -270,11 +258,7 @@ class Newton:
         R0, u = self._start(du)
         self.force_reform = False
         norms = _Norms()
-        while True:
-            if self._iterate(R0, norms, u):
-                self.total = self.total + self.increment
-                self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
-                return self.count
+        while not self._iterate(R0, norms, u):
             R0, u = self._next_R0, None
 
     def _iterate(self, R0: Floats, m: _Norms, u: Floats | None = None) -> bool:
@@ -343,9 +327,9 @@ class Newton:
         ]  # fmt: skip
         before, self._left = self._left, max(left, default=1.0)
         if done < 2 or self._left <= 1.0:
-            return done >= self.factors.worth
+            return done >= self.inverse.worth
         rate = self._left / before
-        return rate >= 0.9 or done + np.log(self._left) / -np.log(rate) > self.factors.worth
+        return rate >= 0.9 or done + np.log(self._left) / -np.log(rate) > self.inverse.worth
 
     def _update(self, s: float, u: Floats, R0: Floats, R1: Floats, report: dict[str, Norm]) -> None:
         reform, self.force_reform = self.force_reform, False

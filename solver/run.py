@@ -150,7 +150,7 @@ class Run:
         newton = Newton(
             self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,  # noqa: E501
         )  # fmt: skip
-        self.totals.linear_solver = newton.factors.solver.name
+        self.totals.linear_solver = newton.inverse.solver.name
         for load in step.loads:
             if hasattr(load, "begin"):
                 load.begin(s.reaction)
@@ -166,7 +166,7 @@ class Run:
                 if reason:
                     return reason
         finally:
-            self.totals.factor = dict(newton.factors.solver.stats)
+            self.totals.factor = dict(newton.inverse.solver.stats)
             newton.close()
         self._save("step")
         return ""
@@ -266,7 +266,7 @@ class Run:
         t = self.totals
         t.iterations += c.iterations
         t.residuals += c.residuals
-        t.reforms += c.total_reforms
+        t.reforms += c.factorisations
 
     # ---- saving -----------------------------------------------------------------------------------
     def _save(self, event: str) -> None:

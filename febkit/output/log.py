@@ -65,7 +65,7 @@ class LogListener(Listener):
     def converged(self, run: Run, counts: Counts) -> None:
         self.write(
             f"\nconvergence summary\n    number of iterations   : {counts.iterations}\n"
-            f"    number of reformations : {counts.total_reforms}\n"
+            f"    number of reformations : {counts.factorisations}\n"
             f"\n------- converged at time : {run.state.time:g}\n\n"
         )
         self.file.flush()

@@ -1,0 +1,142 @@
+"""The inverse of the present tangent K, as cheap as it can be had.
+
+A fresh factorisation applies K^-1 by one solve. A factorisation M of an earlier tangent, or of the same one at another
+step size, does so by a few iterations of GMRES, each a solve and a product with K; or it stands in for K^-1 as it is,
+where multisecant corrections make good for it. Large factorisations cost a hundred solves and more, so the second way
+is taken wherever they are dear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .clock import Clock
+from .linear.base import Floats, LinearSolver, Matrix
+from .linear.krylov import gmres
+
+REUSE_RATIO = 4.0  # an old factorisation is tried for a step size within this factor of its own,
+WIDE_RATIO = 50.0  # or this one where factorisations are dear
+DEAR = 20.0  # solves that a factorisation costs, from which it is dear
+TOLERANCE = 0.03  # of a direction by an old factorisation that corrections follow
+EXACT = 5e-3  # of K^-1 by GMRES
+LEAST, MOST = 5, 12  # bounds of the iterations of Newton given to an old factorisation before a new one is made
+
+
+@dataclass(slots=True)
+class Factor:
+    """A factorisation and the step size it was made for."""
+
+    dt: float
+    solver: LinearSolver
+    used: int = 0
+
+
+class Inverse:
+    """Factorisations kept over time steps, and the one in use for the present tangent."""
+
+    def __init__(self, make: Callable[[], LinearSolver], clock: Clock) -> None:
+        self._make, self._clock = make, clock
+        self.solver = make()
+        self._kept: list[Factor] = []
+        self._uses = 0
+        self._A: Matrix | None = None
+        self._dt = 0.0
+        self._inner = False  # K^-1 by GMRES
+        self.made = 0
+
+    # ---- the present tangent ----------------------------------------------------------------------
+    def factorise(self, A: Matrix, dt: float) -> None:
+        """Take A as the present tangent and factorise it, in place of a factorisation that could have served it or
+        of the longest unused."""
+        f = self.near(dt, REUSE_RATIO)
+        if f is None and len(self._kept) < self._room:
+            f = Factor(dt, self._make() if self._kept else self.solver)
+            self._kept.append(f)
+        elif f is None:
+            f = min(self._kept, key=lambda f: f.used)
+        f.dt = dt
+        self._use(f)
+        self._A, self._dt, self._inner = A, dt, False
+        with self._clock("factorisation"):
+            self.solver.factor(A)
+        self.made += 1
+
+    def approach(self, A: Matrix, dt: float) -> bool:
+        """Take A as the present tangent with a factorisation at hand; False where a new one is the better way."""
+        f = self.near(dt, WIDE_RATIO) if self._kept and self.ratio >= DEAR else None
+        if f is None:
+            return False
+        self._use(f)
+        self._A, self._dt, self._inner = A, dt, True
+        return True
+
+    def near(self, dt: float, most: float = REUSE_RATIO) -> Factor | None:
+        """The factorisation whose step size is nearest to ``dt``, within the factor ``most``."""
+        ratios = [(max(dt / f.dt, f.dt / dt), k) for k, f in enumerate(self._kept)]
+        best = min(ratios, default=(np.inf, -1))
+        return self._kept[best[1]] if best[0] <= most else None
+
+    def lean_on(self, f: Factor, A: Matrix, dt: float, b: Floats) -> tuple[Floats | None, Floats]:
+        """Let f stand in for the inverse of A: K^-1 b to a few per cent (None where it does not serve), and M^-1 b."""
+        self._use(f)
+        self._A, self._dt, self._inner = A, dt, False
+        with self._clock("linear solves"):
+            x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST)
+        return (x if error < TOLERANCE else None), z
+
+    def _use(self, f: Factor) -> None:
+        self._uses += 1
+        self.solver, f.used = f.solver, self._uses
+
+    # ---- solves -----------------------------------------------------------------------------------
+    def solve(self, b: Floats) -> Floats:
+        """K^-1 b: by the fresh factorisation, or by GMRES; where that is slow K is factorised after all."""
+        if self._inner:
+            assert self._A is not None
+            with self._clock("linear solves"):
+                x, _, error = gmres(self._A, b, self.solver.solve, EXACT, self._inner_most)
+            if error < EXACT:
+                return x
+            self.factorise(self._A, self._dt)
+        return self.once(b)
+
+    def refined(self, b: Floats) -> Floats:
+        """K^-1 b with a step of GMRES where the fresh factorisation is of single precision."""
+        if self._inner or self._A is None:
+            return self.solve(b)
+        with self._clock("linear solves"):
+            return gmres(self._A, b, self.solver.solve, TOLERANCE, MOST)[0]
+
+    def once(self, b: Floats) -> Floats:
+        """M^-1 b."""
+        with self._clock("linear solves"):
+            return self.solver.solve(b)
+
+    # ---- costs ------------------------------------------------------------------------------------
+    @property
+    def ratio(self) -> float:
+        """Solves that take as long as a factorisation: (nnz(L) / n / 137)^2, measured from 2e4 to 6e5 equations."""
+        stats = self.solver.stats
+        return float((stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 137.0) ** 2)
+
+    @property
+    def worth(self) -> float:
+        """Iterations of Newton that take as long as a factorisation; residual and stresses cost about a solve."""
+        return float(np.clip(0.5 * self.ratio, LEAST, MOST))
+
+    @property
+    def _inner_most(self) -> int:
+        return int(np.clip(self.ratio / 12.0, 3, 16))
+
+    @property
+    def _room(self) -> int:
+        """Two factorisations, as steps alternate between long ones and short ones before must points; one if large."""
+        return 1 if self.ratio >= DEAR else 2
+
+    def close(self) -> None:
+        """Free all."""
+        for solver in [self.solver, *[f.solver for f in self._kept]]:
+            solver.close()
