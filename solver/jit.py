@@ -133,7 +133,7 @@ class Kernel:
     def _find(self, types: str) -> Callable[..., Any] | None:
         """Machine code for the described arguments, from disk or made now; None where numba must do."""
         try:
-            name = name_of(self.__name__, self.folder.name, types)
+            name = name_of(self.__name__, f"{self.folder.name} {_identity(self.function)}", types)
             path = self.folder / f"{name}.o"
             stored = read(path)
             if stored is None:
@@ -153,6 +153,14 @@ class Kernel:
         if name.startswith("__") or name == "_compiled":
             raise AttributeError(name)
         return getattr(self.compiled, name)
+
+
+def _identity(fn: Callable[..., Any]) -> str:
+    """What tells a kernel from others of its file: its name, and the numbers and kernels it encloses."""
+    enclosed = [c.cell_contents for c in fn.__closure__ or ()]
+    if not all(isinstance(c, (int, float, str, Kernel)) for c in enclosed):
+        raise TypeError(f"{fn.__qualname__} encloses what has no name on disk")
+    return " ".join([fn.__qualname__, *(c.__qualname__ if isinstance(c, Kernel) else repr(c) for c in enclosed)])
 
 
 def _dispatcher(fn: Callable[..., Any], options: dict[str, Any], folder: Path) -> Any:

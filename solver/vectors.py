@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.vectors import inner
+
 
 def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     """a . b"""
-    return float(np.einsum("i,i->", a, b))
+    return inner(a, b)

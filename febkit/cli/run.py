@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -32,6 +33,8 @@ def command(
     path = Path(model or input_ or "")
     if not (model or input_):
         raise click.UsageError("which model? febkit run MODEL.feb")
+    # numpy's BLAS multiplies small matrices only, on threads that are the solver's own
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from febkit.feb import read
     from febkit.model.source import InputError
 

@@ -21,7 +21,9 @@ def since_birth(F, J, gen, count, used, at_J, at_U, Fg, Jg, Jb):
             if g == 0 or g >= count[i]:
                 Jb[i, k] = 1.0
                 Jg[m] = J[i]
-                Fg[m] = f
+                for r in range(3):
+                    for c in range(3):
+                        Fg[m, r, c] = f[r, c]
                 continue
             q = gen[i, g - 1]
             x, y, z, xy, yz, xz = (

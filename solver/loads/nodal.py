@@ -27,6 +27,7 @@ class NodalLoad:
     relative: bool = field(default=False, kw_only=True)
     symmetric: ClassVar[bool] = True
     _start: Floats | None = field(default=None, init=False, repr=False)
+    _distinct: bool | None = field(default=None, init=False, repr=False)  # no node is listed twice
 
     @property
     def columns(self) -> list[int]:
@@ -54,8 +55,13 @@ class NodalLoad:
         f = np.broadcast_to(self.values(state), (len(self.nodes), len(self.columns)))
         if self.relative and self._start is not None:
             f = f + self._start
-        for k, column in enumerate(self.columns):
-            np.add.at(R[:, column], self.nodes, f[:, k])
+        if self._distinct is None:
+            self._distinct = len(set(self.nodes.tolist())) == len(self.nodes)
+        at = self.nodes[:, None], self.columns
+        if self._distinct:
+            R[at] += f
+        else:
+            np.add.at(R, at, f)  # type: ignore[arg-type]
 
     def _scalar(self, v: Any, t: float) -> Floats:
         return np.asarray(v(t, self.X, np.arange(len(self.nodes))))[:, None]

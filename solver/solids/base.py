@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -85,8 +86,8 @@ class Solid:
     def children(self) -> Sequence[Solid]:
         """Records below this one in the material tree."""
         out: list[Solid] = []
-        for f in fields(self):
-            v = getattr(self, f.name)
+        for name in _names(type(self)):  # type: ignore[arg-type]
+            v = getattr(self, name)
             if isinstance(v, Solid):
                 out.append(v)
             elif isinstance(v, (tuple, list)):
@@ -146,6 +147,11 @@ class Solid:
     def energy(self, pts: Points) -> Floats:
         """Strain energy per reference volume (n,); writes no history."""
         raise NotImplementedError(f"{type(self).__name__} gives no strain energy")
+
+
+@lru_cache(maxsize=None)
+def _names(cls: type[Solid]) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(cls))
 
 
 def wanted(c: Floats | None) -> Floats:

@@ -39,7 +39,10 @@ def begin(root: Solid, pts: Points) -> Floats:
         old = initial(root, pts.n)
         pts = replace(pts, old=old)
     before = [(node, node.offset, node.history) for node in root.walk()]
-    for node in root.walk():
+    growing = [node for node, _, _ in before if type(node).room is not Solid.room]
+    if not growing:
+        return old
+    for node in growing:
         node.room(pts)
     if all(node.history == h for node, _, h in before):
         return old

@@ -62,13 +62,12 @@ class _Series:
         Se = np.empty_like(se)
         congruence(inv(pts.F), pts.J, se, Se)
         old = np.zeros((pts.n, self.history)) if pts.old is None else pts.old[:, at : at + self.history]
-        S = g[0][:, None] * Se
         now = np.empty((pts.n, self.history))
         now[:, :6] = Se
-        for k in range(_TERMS):
-            col = slice(6 + 6 * k, 12 + 6 * k)
-            now[:, col] = decay[k][:, None] * old[:, col] + rise[k][:, None] * (Se - old[:, :6])
-            S = S + g[k + 1][:, None] * now[:, col]
+        H, before = now[:, 6:].reshape(-1, _TERMS, 6), old[:, 6:].reshape(-1, _TERMS, 6)
+        np.multiply(decay.T[:, :, None], before, out=H)
+        H += rise.T[:, :, None] * (Se - old[:, :6])[:, None]
+        S = g[0][:, None] * Se + (g[1:].T[:, :, None] * H).sum(1)
         if pts.new is not None:
             pts.new[:, at : at + self.history] = now
         out = np.empty_like(se)

@@ -181,3 +181,26 @@ def test_sort_in_place(n: int) -> None:
     b = np.append(a, np.int32(7))
     pattern._sort(b, n)
     np.testing.assert_array_equal(b, np.append(np.sort(a), 7))
+
+
+def test_kernels_of_one_name_that_enclose_different_numbers(cache: Path) -> None:
+    def scaled(factor, inner):
+        def scale(a):
+            return inner(a) * factor
+
+        return Kernel(scale, {})
+
+    mean = Kernel(_mean, {})
+    assert [scaled(f, mean)(np.ones(3)) for f in (2.0, 3.0, 2.0)] == [2.0, 3.0, 2.0]
+    assert len(_objects(cache)) == 2
+
+
+def test_kernels_that_enclose_what_has_no_name_are_left_to_numba(cache: Path) -> None:
+    table = (1.0, 2.0)
+
+    def first(a):
+        return a[0] * table[1]
+
+    kernel = Kernel(first, {})
+    assert kernel(np.array([4.0])) == 8.0
+    assert kernel._native == ()
