@@ -194,12 +194,8 @@ class Run:
         free = system.eqs.kind[:, :3] == 0
         if not np.any(f[:, :3][free]):
             return
-        from scipy.sparse.linalg import spsolve
-
-        M = system.mass.tocsr()
-        for i in range(3):
-            rows = np.flatnonzero(free[:, i])
-            self.state.acceleration[rows, i] = spsolve(M[rows][:, rows].tocsc(), f[rows, i])
+        a = system.mass.solve(f[:, :3], free)
+        self.state.acceleration[free] = a[free]
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper

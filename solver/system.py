@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .group import Group
 from .kernels.pattern import scatter_any
 from .linear.base import Matrix
+from .mass import Mass
 from .pattern import Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
 from .schedule import Schedule, Share
@@ -42,7 +43,7 @@ class System:
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
-        self._mass: Any = None
+        self._mass: Mass | None = None
 
     def _active(self) -> NDArray[np.bool_]:
         active = np.zeros(self.state.d.shape, bool)
@@ -181,12 +182,10 @@ class System:
         total[:, :3] -= self.mass @ a
 
     @property
-    def mass(self) -> Any:
-        """Consistent mass (node, node), referential density; one number per node pair."""
+    def mass(self) -> Mass:
+        """Consistent mass by referential density."""
         if self._mass is None:
-            from .mass import assemble
-
-            self._mass = assemble(self.groups, len(self.state.X))
+            self._mass = Mass(self.groups)
         return self._mass
 
     # ---- tangent ----------------------------------------------------------------------------------
@@ -222,12 +221,7 @@ class System:
         )
 
     def _add_mass(self, A: Matrix, step: Floats, Fd: Floats) -> None:
-        from .mass import elements
-
-        s = self.state
-        scale = self.alpham / (self.beta * s.dt**2)
-        for g in self.groups:
-            M = elements(g) * scale
-            n = g.n
+        scale = self.alpham / (self.beta * self.state.dt**2)
+        for g, M in self.mass.parts:
             for i in range(3):
-                self._add(A, M, g.conn, np.full(n, i), step, Fd)
+                self._add(A, scale * M, g.conn, np.full(g.n, i), step, Fd)
