@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.directions import turn
 from ..points import Points
 from .base import Floats, Property, Solid
 from .fiber import FiberLaw, part, prestretched
@@ -35,7 +36,7 @@ class _Continuous:
             N, w = self.scheme.taut(C)
         w = self.distribution(pts, N) * w / density
         if pts.Q is not None:
-            N = N @ np.swapaxes(pts.Q, 1, 2)
+            N = turned(N, pts.Q)
         return prestretched(np.ascontiguousarray(N), pts), np.ascontiguousarray(w)
 
     def _parts(self, pts: Points) -> list[slice]:
@@ -58,6 +59,13 @@ class _Continuous:
             A, w = self._family(here)
             out[at] = self.fibers.sum_energy(here, A, w)  # type: ignore[union-attr]
         return out
+
+
+def turned(N: Floats, Q: Floats) -> Floats:
+    """Q N for directions N (1|n, m, 3) and axes Q (1|n, 3, 3)."""
+    out = np.empty((max(len(N), len(Q)), *N.shape[1:]))
+    turn(N, np.ascontiguousarray(Q), out)
+    return out
 
 
 def _properties(table: str) -> dict[str, Property]:

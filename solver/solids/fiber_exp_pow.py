@@ -25,17 +25,19 @@ def _tension(In, par, eps, sn, cn, g):
             if g.shape[0] > 0:
                 g[i, j] = 0.0
             if x >= eps:
-                q = alpha * x**beta
-                e = ksi * math.exp(q)
-                sn[i, j] = 2.0 * In[i, j] * e * x ** (beta - 1.0)
-                cn[i, j] = 4.0 * In[i, j] ** 2 * e * x ** (beta - 2.0) * ((q + 1.0) * beta - 1.0)
+                x = max(x, 0.0)
+                p = 1.0 if beta == 2.0 else x ** (beta - 2.0)
+                q = alpha * p * x * x
+                e = ksi * p * math.exp(q)
+                sn[i, j] = 2.0 * In[i, j] * e * x
+                cn[i, j] = 4.0 * In[i, j] * In[i, j] * e * ((q + 1.0) * beta - 1.0)
                 if g.shape[0] > 0:
                     g[i, j] = par[m, 3]
 
 
 @dataclass(eq=False)
 class _ExpPow(FiberLaw):
-    _eps = 2.220446049250313e-16
+    _eps = -1e-15
 
     def tension(self, pts: Points, In: Floats, sn: Floats, cn: Floats) -> Floats:
         par = self._five(pts)

@@ -9,6 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..kernels.directions import span
+from ..kernels.ordered_spectra import ordered_spectra
+from ..matrices import eigh
 from .base import Floats, Property
 from .registry import register
 
@@ -93,10 +96,16 @@ class _Taut(Scheme):
     nph: int = 7
     nth: int = 31
     options = ("nph", "nth")
+    _least: ClassVar[float]  # largest strain up to which nothing is in tension
     _eps: ClassVar[float]
     _floor: ClassVar[float]
 
     def rule(self) -> tuple[Floats, Floats]:
+        raise NotImplementedError
+
+    def axes(self, E: Floats) -> tuple[Floats, Floats]:
+        """Principal strains (n, 3), ascending, and directions (n, 3, 3; columns) by the method that FEBio takes, whose
+        signs and choice among equal strains the rule hangs on."""
         raise NotImplementedError
 
     def _span(self, V: Floats, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
@@ -104,22 +113,20 @@ class _Taut(Scheme):
         x, w = self.rule()
         nth = int(self.nth)
         t = np.arange(nth) * 2.0 * np.pi / nth
-        half, mid = 0.5 * (hi - lo), 0.5 * (hi + lo)
-        z = mid[..., None] + half[..., None] * x
-        r = np.sqrt(np.maximum(1.0 - z * z, 0.0))
-        local = np.stack((np.cos(t)[:, None] * r, np.sin(t)[:, None] * r, z), axis=-1)
-        N = np.einsum("kij,kabj->kabi", V, local)
-        weight = 2.0 * (2.0 * np.pi / nth) * half[..., None] * w
-        k = len(V)
-        return np.ascontiguousarray(N.reshape(k, -1, 3)), np.ascontiguousarray(weight.reshape(k, -1))
+        N, weight = np.empty((len(V), nth * len(x), 3)), np.empty((len(V), nth * len(x)))
+        span(
+            np.ascontiguousarray(V), np.ascontiguousarray(lo), np.ascontiguousarray(hi), np.cos(t), np.sin(t),
+            np.ascontiguousarray(x), np.ascontiguousarray(w), 4.0 * np.pi / nth, N, weight,
+        )  # fmt: skip
+        return N, weight
 
     def whole(self) -> tuple[Floats, Floats]:
         nth = int(self.nth)
         return self._span(np.eye(3)[None], np.zeros((1, nth)), np.ones((1, nth)))
 
     def taut(self, C: Floats) -> tuple[Floats, Floats]:
-        l, V = np.linalg.eigh(0.5 * (C - np.eye(3)))  # ascending
-        slack, cone = l[:, 2] <= self._eps, (l[:, 1] <= self._eps) & (l[:, 0] < 0)
+        l, V = self.axes(0.5 * (C - np.eye(3)))
+        slack, cone = l[:, 2] <= self._least, (l[:, 1] <= self._eps) & (l[:, 0] < 0)
         belt = (l[:, 0] < self._floor) & ~cone & ~slack
         l[belt], V[belt] = l[belt][:, ::-1], V[belt][:, :, ::-1]
         t = np.arange(int(self.nth)) * 2.0 * np.pi / int(self.nth)
@@ -139,7 +146,10 @@ class Gauss(_Taut):
 
     nph: int = 5
     nth: int = 10
-    _eps, _floor = 0.5e-9, 0.5e-9
+    _least, _eps, _floor = 0.5e-9, 0.5e-9, 0.5e-9
+
+    def axes(self, E: Floats) -> tuple[Floats, Floats]:
+        return eigh(E)
 
     def rule(self) -> tuple[Floats, Floats]:
         return np.polynomial.legendre.leggauss(int(self.nph))
@@ -147,9 +157,17 @@ class Gauss(_Taut):
 
 @dataclass(eq=False)
 class Kronrod(_Taut):
-    """Gauss-Kronrod-Trefethen rule in cos(phi): ``nph`` of 7, 11, 15, 19, 23 or 27."""
+    """Gauss-Kronrod-Trefethen rule in cos(phi): ``nph`` of 7, 11, 15, 19, 23 or 27.
 
-    _eps, _floor = 2.220446049250313e-16, 0.0
+    All directions count at rest, where rounding decides in FEBio: the first tangent has the stiffness of fibers.
+    """
+
+    _least, _eps, _floor = -np.finfo(float).tiny, 2.220446049250313e-16, 0.0
+
+    def axes(self, E: Floats) -> tuple[Floats, Floats]:
+        l, V = np.empty((len(E), 3)), np.empty((len(E), 3, 3))
+        ordered_spectra(E, l, V)
+        return l, V
 
     def rule(self) -> tuple[Floats, Floats]:
         x, w = _stored(f"kronrod_{int(self.nph)}")
