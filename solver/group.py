@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import elements
-from .kernels import biphasic, solid
+from .kernels import biphasic, projection, solid
 from .law import PoreCollapse
 from .points import Points
 from .problem import Block
@@ -66,8 +66,10 @@ class Group:
         self.s = np.zeros((m, g, 6))
         if block.mixture is not None:
             self.Jp = np.ones((m, g))
+            self.pgp = np.zeros((m, g))
             self.pg, self.gp, self.w = np.zeros((m, g)), np.zeros((m, g, 3)), np.zeros((m, g, 3))
             self.supply = np.zeros((m, g)) if block.mixture.supply is not None else _NONE
+            self.steady_pressure: Floats | None = None  # coefficient of the projection (m,)
         if block.formulation == "three-field":
             self.eJ, self.ep, self.Lk = np.ones(m), np.zeros(m), np.zeros(m)
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
@@ -215,6 +217,16 @@ class Group:
         e = slice(c.lo, c.hi)
         return self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
 
+    def stabilise(self, tau: float) -> None:
+        """Steady the pressure by projection (:mod:`.kernels.projection`), c from the moduli at rest."""
+        q = self.m * self.g
+        pts = Points(np.tile(np.eye(3), (q, 1, 1)), np.ones(q), self.Xg, np.repeat(np.arange(self.m), self.g))
+        pts.Q, pts.old, pts.new = self._axes(), self.old, self.new.copy()
+        s, C = np.zeros((q, 6)), np.zeros((q, 6, 6))
+        self.block.solid.stress(pts, s, C)
+        shear, aggregate = (C[:, i, i].mean(axis=1).reshape(self.m, self.g).mean(axis=1) for i in ([3, 4, 5], [0, 1, 2]))
+        self.steady_pressure = tau * np.maximum(0.5 / shear, 3.0 / aggregate)
+
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
         """Subtract internal forces of elements lo:hi from R (node, column)."""
@@ -225,12 +237,17 @@ class Group:
                 lo, hi, self.conn, self.N, self.dN, self.iJ0, self.wJ0, self.F, self.J, self.Jp,
                 self.s, self.pg, self.w, self.supply, state.dt, steady, R,
             )  # fmt: skip
+            if self.steady_pressure is not None and not steady:
+                projection.force(
+                    lo, hi, self.conn, self.N, self.wJ0, self.steady_pressure, self.pg, self.pgp, R
+                )
 
     # ---- steps ------------------------------------------------------------------------------------
     def begin_step(self, state: State) -> None:
         """The present state becomes the last converged one; memory is made ready for a step."""
         if self.block.mixture is not None:
             self.Jp = self.J.copy()
+            self.pgp = self.pg.copy()
         if self.new.shape[1]:
             self.old[:] = self.new
             pts = self.points()

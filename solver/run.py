@@ -33,11 +33,13 @@ class Options:
     factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
     it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
     (so that no saved time hangs on iteration counts).
+    stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
     """
 
     threads: int = 0
     linear: str = "auto"
     factor: str = "auto"
+    stabilise: float = 0.0
 
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
@@ -114,6 +116,10 @@ class Run:
         size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
         self.groups = [Group(b, self.problem.X, size) for b in self.problem.blocks]
         self.schedule = Schedule(self.groups, self.team)
+        if self.options.stabilise:
+            for g in self.groups:
+                if g.block.mixture is not None:
+                    g.stabilise(self.options.stabilise)
         self._initial(self.problem.common)
         self.tell("start")
         if len(self.problem.steps) == 1:

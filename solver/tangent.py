@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels import biphasic, blocks, pattern, solid, three_field
+from .kernels import biphasic, blocks, pattern, projection, solid, three_field
 from .pattern import Pattern
 from .state import State
 
@@ -98,9 +98,12 @@ def _add(
     geometry = (g.dN, g.iJ0, g.wJ0, g.F, g.J)
     s, C, k = s[some], C[some], None if k is None else k[some]
     three = g.block.formulation == "three-field"
+    stab = g.steady_pressure if mix is not None and not steady else None
     extra = dk is not None or three or (mix is not None and (steady or mix.supply is not None))
     if g.block.solid.symmetric:
         B, U = _blocks(g, lo, hi, s, C, k, state.dt, work)
+        if stab is not None:
+            projection.tangent(lo, hi, g.N, g.wJ0, stab, B, 6 * g.n, 0)
         if target.pat.symmetric and not extra:
             target.add_blocks(g, lo, hi, B, U)
             return
@@ -113,6 +116,8 @@ def _add(
             solid.stiffness(lo, hi, *geometry, se, Ce, K)
         else:
             biphasic.stiffness(lo, hi, g.N, *geometry, se, Ce, g.pg, k, state.dt, steady, K)
+            if stab is not None:
+                projection.tangent(lo, hi, g.N, g.wJ0, stab, K, 3 * g.n, 3 * g.n)
     if dk is not None:
         biphasic.permeability_coupling(lo, hi, *geometry, g.gp, dk[some], state.dt, K)
     if mix is not None and mix.supply is not None:

@@ -1,0 +1,80 @@
+"""Pressure projection: no oscillation below the Vermeer-Verruijt step, and the order of the elements kept."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from febkit.solver.kernels import projection
+from febkit.solver.loads.base import patches
+from febkit.solver.loads.pressure import Pressure
+from febkit.solver.run import Options, run
+
+sys.path.insert(0, str(Path(__file__).parent))
+import scenes
+
+E, V, K = 0.6, 0.2, 0.5
+HA = E * (1 - V) / ((1 + V) * (1 - 2 * V))
+
+
+def _consolidated(n: int, dt: float, steps: int, tau: float) -> tuple[Any, Any]:
+    """Heights and pressures over the load of a column that is loaded at once, after ``steps``."""
+    load = 1e-6
+    p = scenes.column(n, E, V, K)
+    step = p.steps[0]
+    step.loads = [Pressure(patches({"quad4": scenes.top_quads(n)}, p.X), pressure=load, linear=True)]
+    step.dt, step.count = dt, steps
+    result = run(p, options=Options(threads=1, stabilise=tau))
+    assert result.converged, result.reason
+    line = np.flatnonzero((p.X[:, 0] < 1e-9) & (p.X[:, 1] < 1e-9))
+    return p.X[line, 2], result.state.p[line] / load
+
+
+def _exact(z: Any, t: float) -> Any:
+    odd = 2 * np.arange(1, 400) - 1
+    phase = np.sin(np.outer(1 - z, odd) * np.pi / 2) * 4 / (np.pi * odd)
+    return phase @ np.exp(-(odd**2) * np.pi**2 / 4 * HA * K * t)
+
+
+def test_no_oscillation_below_the_vermeer_verruijt_step() -> None:
+    """The step is a hundredth of h^2 / (6 c): the pressure must lie between 0 and the load."""
+    n = 10
+    dt = 0.01 * (1 / n) ** 2 / (6 * HA * K)
+    plain, steady = (_consolidated(n, dt, 1, tau)[1] for tau in (0.0, 1.0))
+    assert plain.max() > 1.1
+    assert steady.max() < 1.02 and steady.min() > -1e-9
+
+
+@pytest.mark.parametrize("tau", [0.0, 1.0])
+def test_order_in_space_is_kept(tau: float) -> None:
+    error = []
+    for n in (5, 10, 20):
+        t, steps = 0.2 / (HA * K), 400
+        z, p = _consolidated(n, t / steps, steps, tau)
+        fine = _consolidated(80, t / steps, steps, 0.0)
+        error.append(np.sqrt(np.mean((p - np.interp(z, *fine)) ** 2)))
+    rates = np.log2(np.array(error[:-1]) / error[1:])
+    assert (rates > 1.8).all(), (error, rates)
+    assert np.abs(p - _exact(z, t)).max() < 5e-3
+
+
+def test_tangent_of_the_projection() -> None:
+    """Derivative of the force by the nodal pressures; a constant change of pressure meets no force."""
+    rng = np.random.default_rng(5)
+    N, w0, c = rng.random((8, 8)), rng.random((1, 8)) + 0.1, np.array([0.7])
+    N /= N.sum(axis=1, keepdims=True)
+    conn, p = np.arange(8, dtype=np.int32)[None], rng.normal(size=8)
+
+    def force(p: Any) -> Any:
+        R = np.zeros((8, 4))
+        projection.force(0, 1, conn, N, w0, c, (N @ p)[None], np.zeros((1, 8)), R)
+        return R[:, 3]
+
+    M = np.zeros((1, 32, 32))
+    projection.tangent(0, 1, N, w0, c, M, 24, 24)
+    np.testing.assert_allclose(-M[0, 24:, 24:] @ p, force(p), rtol=1e-12)
+    np.testing.assert_allclose(force(np.full(8, 3.0)), 0.0, atol=1e-14)
