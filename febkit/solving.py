@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from febkit.model import Model
+from febkit.model import InputError, Model, Where
 
 if TYPE_CHECKING:
     from febkit.solver.result import Result
@@ -22,6 +22,8 @@ def solve(
     threads: int = 0,
     linear: str = "auto",
     factor: str = "auto",
+    accuracy: float = 0.0,
+    stabilise: float = 0.0,
     progress: bool = False,
     listeners: Sequence[Listener] = (),
     warn: Callable[[str], None] | None = None,
@@ -30,13 +32,23 @@ def solve(
 
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu" or "dense";
     factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`).
+    accuracy: relative error per step of steps of second order and of their own size, for transient biphasic models;
+    0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
+    mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
     """
     from febkit.lower import lower
     from febkit.solver.run import Options, run
 
-    problem = lower(model)
+    problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy)
+    if accuracy:
+        from febkit.solver.second_order import refusal
+
+        why = refusal(problem)
+        if why:
+            raise InputError(f"accuracy = {accuracy:g} cannot be had: {why}; leave it out for the file's own steps",
+                             Where(model.file))  # fmt: skip
     told: list[Listener] = [*listeners]
     say = [warn or (lambda m: warnings.warn(m, stacklevel=3))]
 
@@ -63,4 +75,4 @@ def solve(
         from febkit.output.progress import ProgressListener
 
         told.append(ProgressListener(Path(model.file).name or "solving"))
-    return run(problem, told, Options(threads, linear, factor))
+    return run(problem, told, options)

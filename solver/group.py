@@ -224,7 +224,8 @@ class Group:
         pts.Q, pts.old, pts.new = self._axes(), self.old, self.new.copy()
         s, C = np.zeros((q, 6)), np.zeros((q, 6, 6))
         self.block.solid.stress(pts, s, C)
-        shear, aggregate = (C[:, i, i].mean(axis=1).reshape(self.m, self.g).mean(axis=1) for i in ([3, 4, 5], [0, 1, 2]))
+        diagonal = C[:, range(6), range(6)].reshape(self.m, self.g, 6).mean(axis=1)
+        shear, aggregate = diagonal[:, 3:].mean(axis=1), diagonal[:, :3].mean(axis=1)
         self.steady_pressure = tau * np.maximum(0.5 / shear, 3.0 / aggregate)
 
     # ---- residual ---------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -17,8 +17,9 @@ from .problem import TRANSIENT, Problem, Step
 from .result import Result, Totals
 from .saving import wanted
 from .schedule import Schedule, chunk_size
+from .second_order import SecondOrder, refusal
 from .state import State
-from .stepping import FixedSteps, stepper
+from .stepping import ErrorSteps, FixedSteps, stepper
 from .system import System
 from .threads import Team
 
@@ -33,6 +34,8 @@ class Options:
     factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
     it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
     (so that no saved time hangs on iteration counts).
+    accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
+    biphasic runs; 0, the file's steps.
     stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
     """
 
@@ -40,6 +43,7 @@ class Options:
     linear: str = "auto"
     factor: str = "auto"
     stabilise: float = 0.0
+    accuracy: float = 0.0
 
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
@@ -79,6 +83,7 @@ class Run:
         self.index = 0
         self.system: System | None = None
         self.stepper: FixedSteps | None = None
+        self.integrator: SecondOrder | None = None
         self._saved_at = -1
 
     @property
@@ -160,7 +165,8 @@ class Run:
         for load in step.loads:
             if hasattr(load, "begin"):
                 load.begin(s.reaction)
-        self.stepper = stepper(step, s.time)
+        self.stepper = stepper(step, s.time, self.options.accuracy)
+        self.integrator = self._second_order(newton)
         self.stepper.first(s.time)
         self.count = 0
         self.tell("begin_analysis")
@@ -177,12 +183,24 @@ class Run:
         self._save("step")
         return ""
 
+    def _second_order(self, newton: Newton) -> SecondOrder | None:
+        if not self.options.accuracy:
+            return None
+        why = refusal(self.problem)
+        if why:
+            raise ValueError(why)
+        o = self.step.newton
+        loose = {n: min(getattr(o, n), self.options.accuracy) for n in ("dtol", "ptol") if getattr(o, n) > 0}
+        newton.options = replace(o, **loose)
+        return SecondOrder(self.state, self.groups, newton)
+
     def _reuse(self) -> bool:
         """Is a factorisation kept over time steps? See :class:`Options`."""
         assert self.system is not None
         if self.options.factor != "auto":
             return self.options.factor == "reuse"
-        pinned = self.step.auto is not None and self.step.saving.level != "PLOT_MAJOR_ITRS"
+        pinned = self.step.auto is not None or self.options.accuracy > 0.0
+        pinned = pinned and self.step.saving.level != "PLOT_MAJOR_ITRS"
         transient = self.problem.biphasic and self.step.analysis == TRANSIENT
         return pinned and transient and len(self.system.eqs.rows) >= REUSE_EQUATIONS
 
@@ -207,15 +225,16 @@ class Run:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
         saved = s.copy(), [g.snapshot() for g in self.groups], newton.total.copy()
+        if self.integrator is not None:
+            self.integrator.begin()
         while True:
             t = min(s.time + step.dt, step.end)
             s.dt, s.time = (t - s.time, t)
             if abs(step.end - t) < 1e-14 * abs(step.end):
                 s.time = step.end
             self.tell("begin_step", self.count + 1, t)
-            self._prepare()
             try:
-                counts = newton.step()
+                counts, good = self._attempt(newton)
             except (NotConverged, ElementFailure, LinearError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
@@ -231,6 +250,11 @@ class Run:
                 newton.force_reform = True
                 continue
             self._add(counts)
+            if not good:
+                self._restore(saved, newton)
+                self.totals.retries += 1
+                self.tell("failed", "the step's error is too large", step.dt)
+                continue
             self.count += 1
             self.totals.steps += 1
             self.tell("converged", counts)
@@ -238,6 +262,17 @@ class Run:
             # more iterations with an old factorisation are no sign of a step that is too large
             step.accept(s.time, min(counts.iterations, EASY) if newton.stale else counts.iterations)
             return ""
+
+    def _attempt(self, newton: Newton) -> tuple[Counts, bool]:
+        """Solve the step to the present time; was its error small enough?"""
+        if self.integrator is None:
+            self._prepare()
+            return newton.step(), True
+        s, dt = self.state, self.state.dt
+        s.time -= dt
+        counts, error = self.integrator.solve(dt, self._prepare)
+        assert isinstance(self.stepper, ErrorSteps)
+        return counts, self.stepper.judge(error)
 
     def _prepare(self) -> None:
         """The present state becomes the last converged one (FEBio's PrepStep)."""

@@ -118,5 +118,60 @@ class AutoSteps(FixedSteps):
         return self.dt > 0
 
 
-def stepper(step: Step, start: float) -> FixedSteps:
+class ErrorSteps(AutoSteps):
+    """Steps as large as an error per step of ``accuracy`` (relative) allows; must points are met, dtmax is not heeded.
+
+    dt grows by 0.9 (accuracy / error)^(1/3), within 0.2 and 2 (Hairer, Norsett and Wanner, Solving Ordinary
+    Differential Equations I, section II.4).
+    """
+
+    def __init__(self, step: Step, start: float, accuracy: float) -> None:
+        auto = step.auto or AutoStep(must_points=tuple(start + step.dt * (i + 1) for i in range(step.count)))
+        super().__init__(step, start, auto)
+        self.accuracy = accuracy
+
+    def _grown(self, error: float) -> float:
+        return min(2.0, max(0.2, 0.9 * (self.accuracy / max(error, 1e-30)) ** (1 / 3)))
+
+    def first(self, t: float) -> None:
+        self._cut_at(t)
+
+    def accept(self, t: float, iterations: int) -> None:
+        self._retries = 0
+        if t + self.end * 1e-7 < self.end:
+            self._cut_at(t)
+
+    def _cut_at(self, t: float) -> None:
+        dt = self._before_must_point(t, self._base)
+        self.dt = min(dt, self.end - t)
+        self.at_must_point = self._must >= 0
+
+    def judge(self, error: float) -> bool:
+        """Is a step of the present size with this error good? The size of the next one, or of another try, is set."""
+        good, tried = error <= 1.2 * self.accuracy, self.dt
+        size = tried * self._grown(error)
+        if good:
+            self._base = max(self._base, size) if tried < 0.99 * self._base and size > tried else size
+        else:
+            self._again(min(size, 0.5 * tried))
+        return good
+
+    def retry(self) -> bool:
+        if self._retries >= 20:
+            return False
+        self._retries += 1
+        self._again(0.25 * self.dt)
+        return self.dt > 1e-14 * self.end
+
+    def _again(self, dt: float) -> None:
+        if self._must >= 0:
+            self._next -= 1
+            self._must = -1
+        self.dt = self._base = dt
+        self.at_must_point = False
+
+
+def stepper(step: Step, start: float, accuracy: float = 0.0) -> FixedSteps:
+    if accuracy > 0.0:
+        return ErrorSteps(step, start, accuracy)
     return FixedSteps(step, start) if step.auto is None else AutoSteps(step, start, step.auto)

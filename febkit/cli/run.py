@@ -20,10 +20,13 @@ import click
               help="Linear solver.")
 @click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
               help="Keep factorisations over time steps, or renew them where FEBio does.")
+@click.option("--accuracy", type=click.FloatRange(0.0, 0.1), default=0.0, show_default="the file's steps",
+              help="Steps of second order and of their own size, of this relative error each (transient biphasic).")
+@click.option("--stabilise", is_flag=True, help="Steady the pressure where steps are too small for the mesh.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: str | None, plot: str | None, silent: bool, threads: int,
-    linear: str, factor: str, verbose: bool,
+    linear: str, factor: str, accuracy: float, stabilise: bool, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -48,7 +51,9 @@ def command(
     from febkit.solving import solve
 
     said: list[str] = []
-    result = solve(m, plot_path, log_path, threads, linear, factor, progress=not silent, warn=said.append)
+    result = solve(
+        m, plot_path, log_path, threads, linear, factor, accuracy, float(stabilise), not silent, warn=said.append
+    )
     if not silent:
         _report(result, plot_path, log_path, said, verbose)
     if not result.converged:

@@ -1,10 +1,10 @@
 """Polynomial pressure projection: what steadies equal-order elements below the Vermeer-Verruijt step.
 
-Adds -c sum_q (N - Pi N)(dp - Pi dp) w0 to the rows of p, Pi the mean over the element, dp the change of p over the step.
-c = tau max(1 / (2 G), 3 / H): the first keeps nearly incompressible solids stable (White and Borja, Comput Methods Appl
-Mech Engrg 197 (2008) 4353; Bochev, Dohrmann and Gunzburger, SIAM J Numer Anal 44 (2006) 82); with the second, H the
-aggregate modulus, the storage of confined linear elements is that of a lumped mass, whose pressures stay within bounds
-at any step.
+Adds -c sum_q (N - Pi N)(dp - Pi dp) w0 to the rows of p, Pi the mean over the element, dp the change of p over the
+step. c = tau max(1 / (2 G), 3 / H): the first keeps nearly incompressible solids stable (White and Borja, Comput
+Methods Appl Mech Engrg 197 (2008) 4353; Bochev, Dohrmann and Gunzburger, SIAM J Numer Anal 44 (2006) 82); with the
+second, H the aggregate modulus, the storage of confined linear elements is that of a lumped mass, whose pressures stay
+within bounds at any step.
 """
 
 from __future__ import annotations

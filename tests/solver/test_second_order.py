@@ -1,0 +1,74 @@
+"""Second-order steps: their order, what they save, and that the error asked for is the error met."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from febkit.solver.problem import AutoStep, Problem
+from febkit.solver.run import Options, run
+from febkit.solver.solids.neo_hookean import NeoHookean
+
+sys.path.insert(0, str(Path(__file__).parent))
+import scenes
+
+END = 0.4
+
+
+def _column() -> Problem:
+    """A column compressed by a tenth in 1 s, neo-Hookean, seen at 0.4 s."""
+    p = scenes.column(8, 0.6, 0.2, 0.5, top=-0.1)
+    p.blocks[0].solid = NeoHookean(E=0.6, v=0.2)
+    p.steps[0].newton.dtol = p.steps[0].newton.ptol = 1e-9
+    return p
+
+
+def _at_end(steps: int, accuracy: float) -> tuple[Any, int]:
+    """Unknowns at END by ``steps`` equal steps (accuracy 1e9: of second order), or by steps of their own size."""
+    p = _column()
+    s = p.steps[0]
+    s.dt, s.count = END / steps, steps
+    if 0 < accuracy < 1e9:
+        s.auto = AutoStep(must_points=(END,))
+    result = run(p, options=Options(threads=1, accuracy=accuracy))
+    assert result.converged, result.reason
+    return result.state.d, result.totals.steps + result.totals.retries
+
+
+@pytest.fixture(scope="module")
+def exact() -> Any:
+    return _at_end(640, 1e9)[0]
+
+
+def _error(d: Any, exact: Any) -> float:
+    return max(float(np.linalg.norm((d - exact)[:, c]) / np.linalg.norm(exact[:, c])) for c in (2, 3))
+
+
+def test_order_two_against_order_one(exact: Any) -> None:
+    first = [_error(_at_end(n, 0.0)[0], exact) for n in (20, 40)]
+    second = [_error(_at_end(n, 1e9)[0], exact) for n in (10, 20, 40)]
+    assert np.log2(first[0] / first[1]) == pytest.approx(1.0, abs=0.1)
+    assert np.log2(second[1] / second[2]) == pytest.approx(2.0, abs=0.2)
+    assert second[0] < first[1]  # as many solves, half the error and less
+
+
+def test_the_error_asked_for(exact: Any) -> None:
+    """The error at the end falls with the accuracy of a step (to the power 2/3 in theory), and is of its size."""
+    tries = [_at_end(100, a) for a in (1e-3, 1e-4, 1e-5)]
+    errors, steps = [_error(d, exact) for d, _ in tries], [n for _, n in tries]
+    assert errors[0] > 2 * errors[1] > 4 * errors[2]
+    assert all(e < 10 * a for e, a in zip(errors, (1e-3, 1e-4, 1e-5)))
+    assert steps[1] < 3.2 * steps[0]  # order 2: ten times the accuracy at 2.2 times the steps
+    plain = _error(_at_end(2 * steps[1], 0.0)[0], exact)
+    assert errors[1] < 0.2 * plain
+
+
+def test_refused_where_it_has_no_meaning() -> None:
+    p = _column()
+    p.steps[0].analysis = "steady-state"
+    with pytest.raises(ValueError, match="transient"):
+        run(p, options=Options(threads=1, accuracy=1e-3))
