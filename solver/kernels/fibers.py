@@ -36,6 +36,29 @@ def squared_stretch(F, J, A, iso, In):
 
 
 @kernel
+def power_tension(In, ksi, beta, sn, cn):
+    """sn = 2 In dW/dIn and cn = 4 In^2 d2W/dIn2 (n, m) of W = ksi (In - 1)^beta in tension; ksi, beta (1|n, m)."""
+    for i in range(In.shape[0]):
+        a = i if ksi.shape[0] > 1 else 0
+        b = i if beta.shape[0] > 1 else 0
+        for j in range(In.shape[1]):
+            x = In[i, j] - 1.0
+            sn[i, j] = cn[i, j] = 0.0
+            if x > 0.0:
+                q = beta[b, j]
+                # powers are dear, and exponents of a spherical family 2 or 3 but for rounding
+                if abs(q - 3.0) < 1e-14:
+                    power = x
+                elif abs(q - 2.0) < 1e-14:
+                    power = 1.0
+                else:
+                    power = x ** (q - 2.0)
+                k = ksi[a, j] * q * power
+                sn[i, j] = 2.0 * In[i, j] * k * x
+                cn[i, j] = 4.0 * In[i, j] * In[i, j] * k * (q - 1.0)
+
+
+@kernel
 def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
     """Add sum_j w_j (sn N + g sym(N' (B - I))) / J and its tangent.
 

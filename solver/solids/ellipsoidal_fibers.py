@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.fibers import add_fibers, squared_stretch
+from ..kernels.fibers import add_fibers, power_tension, squared_stretch
 from ..points import Points
 from .base import Floats, Number, Solid, wanted
 from .mooney_rivlin import MooneyRivlin
@@ -67,11 +67,8 @@ class _Ellipsoidal(Solid):
         A, w, ksi, beta = self._family(pts)
         In = np.empty((pts.n, A.shape[1]))
         squared_stretch(pts.F, pts.J, A, self.iso, In)
-        x = np.where(In > 1.0, In - 1.0, 0.0)
-        on = x > 0
-        some = np.where(on, x, 1.0)
-        sn = np.where(on, 2.0 * In * beta * ksi * some ** (beta - 1.0), 0.0)
-        cn = np.where(on, 4.0 * In * In * beta * (beta - 1.0) * ksi * some ** (beta - 2.0), 0.0)
+        sn, cn = np.empty_like(In), np.empty_like(In)
+        power_tension(In, np.ascontiguousarray(ksi), np.ascontiguousarray(beta), sn, cn)
         add_fibers(pts.F, pts.J, A, w, In, sn, cn, np.empty((0, 0)), self.iso, s, wanted(c))
 
     def fibers_energy(self, pts: Points) -> Floats:
