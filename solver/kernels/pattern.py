@@ -36,7 +36,9 @@ def node_graph(ptr, elements, conn, upper, first, count, out):
     with offsets when ``count``, else ``out`` with the neighbours.
     """
     nn = ptr.shape[0] - 1
-    mark = np.full(nn, -1, np.int32)
+    mark = np.empty(nn, np.int32)
+    for a in range(nn):
+        mark[a] = -1
     row = np.empty(4096, np.int32)
     for a in range(nn):
         k = 0
@@ -49,7 +51,8 @@ def node_graph(ptr, elements, conn, upper, first, count, out):
                 mark[b] = a
                 if k == row.shape[0]:
                     grown = np.empty(2 * k, np.int32)
-                    grown[:k] = row
+                    for i in range(k):
+                        grown[i] = row[i]
                     row = grown
                 row[k] = b
                 k += 1
@@ -57,7 +60,8 @@ def node_graph(ptr, elements, conn, upper, first, count, out):
             first[a + 1] = first[a] + k
         else:
             _sort(row, k)
-            out[first[a] : first[a] + k] = row[:k]
+            for i in range(k):
+                out[first[a] + i] = row[i]
 
 
 @kernel

@@ -7,35 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.fourth_invariant import fiber_invariants, fiber_stress
 from ..points import Points
 from .base import Floats, Property, Solid
 from .fiber import directions
 from .secant import central_tangent
 from .uncoupled import Uncoupled
-from .voigt import deviator, vector
 
 
-def spatial(pts: Points, a0: Floats, iso: bool) -> dict[str, Floats]:
-    """b, b^2, n dyad n, sym(n dyad b n), n the unit direction, and I1, I2, I4, I5; of F~ where ``iso``."""
-    F = pts.F * pts.J[:, None, None] ** (-1.0 / 3.0) if iso else pts.F
-    b = F @ np.swapaxes(F, 1, 2)
-    b2 = b @ b
-    a = np.einsum("nij,nj->ni", F, np.broadcast_to(a0, (pts.n, 3)))
-    I4 = (a**2).sum(1)
-    n = a / np.sqrt(I4)[:, None]
-    bn = np.einsum("nij,nj->ni", b, n)
-    I1 = np.trace(b, axis1=1, axis2=2)
-    mixed = n[:, :, None] * bn[:, None, :]
-    return {
-        "b": b,
-        "b2": b2,
-        "N": n[:, :, None] * n[:, None, :],
-        "M": mixed + np.swapaxes(mixed, 1, 2),
-        "I1": I1,
-        "I2": 0.5 * (I1**2 - np.trace(b2, axis1=1, axis2=2)),
-        "I4": I4,
-        "I5": I4 * (n * bn).sum(1),
-    }
+def invariants(pts: Points, a0: Floats, iso: bool) -> dict[str, Floats]:
+    """I1, I2, I4, I5 (n,) for reference directions a0 (1|n, 3); of F~ where ``iso``."""
+    out = np.empty((4, pts.n))
+    fiber_invariants(pts.F, pts.J, a0, iso, out)
+    return dict(zip(("I1", "I2", "I4", "I5"), out, strict=True))
 
 
 @dataclass(eq=False)
@@ -51,12 +35,11 @@ class FourthInvariant(Solid):
         raise NotImplementedError
 
     def _cauchy(self, pts: Points) -> Floats:
-        i = spatial(pts, directions(self.fiber, pts), self.iso)
-        W1, W2, W4, W5, *WJ = (np.broadcast_to(w, (pts.n,))[:, None, None] for w in self.derivatives(pts, i))
-        I1, I4 = i["I1"][:, None, None], i["I4"][:, None, None]
-        T = (W1 + W2 * I1) * i["b"] - W2 * i["b2"] + I4 * W4 * i["N"] + I4 * W5 * i["M"]
-        s = 2.0 / pts.J[:, None, None] * (deviator(T) if self.iso else T)
-        return vector(s + WJ[0] * np.eye(3) if WJ else s)
+        a0, W, s = directions(self.fiber, pts), np.zeros((pts.n, 5)), np.empty((pts.n, 6))
+        for k, w in enumerate(self.derivatives(pts, invariants(pts, a0, self.iso))):
+            W[:, k] = w
+        fiber_stress(pts.F, pts.J, a0, self.iso, W, s)
+        return s
 
     def _add(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)

@@ -42,10 +42,10 @@ class PRLig(FourthInvariant):
 
     def energy(self, pts: Points) -> Floats:
         from .fiber import directions
-        from .fourth_invariant import spatial
+        from .fourth_invariant import invariants
 
         within = self.inner(pts)
-        i = spatial(within, directions(None, within), False)
+        i = invariants(within, directions(None, within), False)
         c1, c2, mu, v0, m, k = self.par(pts).T
         l = np.sqrt(i["I4"])
         ln = np.log(i["I2"] - i["I1"] * i["I4"] + i["I5"]) - 2 * (m - v0) * np.log(i["I4"]) + 4 * m * (l - 1)
