@@ -83,7 +83,8 @@ def cube(
     """A biphasic neo-Hookean cube compressed between lubricated plates in ``seconds``, drained at its sides.
 
     ``stiff``: modulus of the upper half over that of the lower; ``grade``: thickness of the lowest element layer over
-    the highest's; the modulus is ``e``, lengths are in ``size``; min_residual, a squared force (FEBio: 1e-20), goes with both.
+    the highest's; the modulus is ``e``, lengths are in ``size``; min_residual (FEBio: 1e-20), a squared force, goes
+    with both.
     """
     X, conn = scenes.grid((n, n, 2 * n))
     inside = ((X > 1e-9) & (X < 1 - 1e-9)).all(axis=1)

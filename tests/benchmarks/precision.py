@@ -1,0 +1,147 @@
+"""Work against precision: error and seconds over mesh, step size and tolerance, febkit's routes beside FEBio's runs.
+
+    python tests/benchmarks/precision.py confined [-o picture.png]
+    python tests/benchmarks/precision.py tissue15_B [--models ../shared/oracle/bench] [-o picture.png]
+
+``confined``: ramp and hold of a confined column against the series of Mow et al. (1980), error of the reaction.
+Others: a model of the benchmark folder on its own mesh against a solution of the same mesh by second-order steps of a
+small error (--tight), which FEBio's stored run is measured against as well. Errors are the largest relative L2 errors
+of u and p over the stored times.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).resolve()
+sys.path.insert(0, str(HERE.parents[1] / "solver"))
+DEFAULT = HERE.parents[2].parent / "shared" / "oracle" / "bench"
+ACCURACIES = (1e-2, 3e-3, 1e-3, 3e-4)
+Row = tuple[str, int, float, float, float]  # route, steps, seconds, error of u (or of the reaction), error of p
+
+
+def confined() -> list[Row]:
+    """Meshes of 10, 20 and 40 elements; equal steps and steps of their own size."""
+    import scenes
+    import test_analytic as exact
+
+    from febkit.solver.problem import AutoStep
+    from febkit.solver.run import Options, run
+
+    def solve(n: int, steps: int, accuracy: float) -> Row:
+        top = -1e-6
+        p = scenes.column(n, exact.E, exact.V, exact.K, top=top, grading=1.6)
+        s = p.steps[0]
+        s.dt, s.count = 2.0 / steps, steps
+        if accuracy:
+            s.dt, s.auto = 1e-4, AutoStep(must_points=(0.5, 1.0, 1.5, 2.0))
+            s.duration = 2.0
+        nodes = np.flatnonzero(p.X[:, 2] > 1 - 1e-9)
+        h = exact.History(lambda r: r.state.reaction[nodes, 2].sum())
+        start = time.perf_counter()
+        r = run(p, [h], Options(threads=1, accuracy=accuracy))
+        seconds = time.perf_counter() - start
+        assert r.converged, r.reason
+        t, force = np.array(h.t), np.array(h.values)
+        expected = exact.relaxation(t, top, 1.0)
+        seen = np.isclose(t[:, None], [0.5, 1.0, 1.5, 2.0], rtol=1e-9).any(axis=1)
+        error = float(np.abs(force / 0.01 - expected)[seen].max() / np.abs(expected).max())
+        route = "second order" if accuracy else "backward Euler"
+        return f"{n} elements, {route}", r.totals.steps, seconds, error, 0.0
+
+    solve(10, 20, 0.0), solve(10, 20, 1e-2)  # compile
+    rows = []
+    for n in (10, 20, 40):
+        rows += [solve(n, steps, 0.0) for steps in (20, 80, 320, 1280)]
+        rows += [solve(n, 20, a) for a in (*ACCURACIES, 1e-4, 1e-5)]
+    return rows
+
+
+def model(folder: Path, name: str, tight: float, threads: int) -> list[Row]:
+    """The file's steps (fresh and kept factorisations), second-order steps, and FEBio's recorded run."""
+    import febkit
+
+    m = febkit.read(folder / "models" / f"{name}.feb")
+    stored = np.load(folder / "reference" / f"{name}.npz")
+    times = stored["times"]
+
+    def solve(**options: Any) -> tuple[int, float, Any, Any]:
+        with tempfile.TemporaryDirectory() as out:
+            plot = Path(out) / "run.xplt"
+            start = time.perf_counter()
+            r = febkit.solve(m, plotfile=plot, threads=threads, **options)
+            seconds = time.perf_counter() - start
+            assert r.converged, r.reason
+            ds = febkit.open_results(plot)
+            at = [int(np.argmin(np.abs(ds["time"].values - t))) for t in times]
+            u, p = (ds[v].values[at] for v in ("displacement", "effective_fluid_pressure"))
+        return r.totals.steps, seconds, u, np.nan_to_num(p)
+
+    _, _, u0, p0 = solve(accuracy=tight)
+
+    def row(route: str, steps: int, seconds: float, u: Any, p: Any) -> Row:
+        errors = []
+        for a, b in ((u, u0), (np.nan_to_num(p), p0)):
+            size = np.array([np.linalg.norm(x) for x in b])
+            errors.append(max(np.linalg.norm(x - y) / max(s, 1e-3 * size.max()) for x, y, s in zip(a, b, size)))
+        return route, steps, seconds, float(errors[0]), float(errors[1])
+
+    known = json.loads((folder / "febio.json").read_text())[name]
+    rows = [row("FEBio, recorded", known["steps"], known["seconds"], stored["u"], stored["p"])]
+    rows.append(row("FEBio's steps", *solve(factor="fresh")))
+    rows.append(row("FEBio's steps, factorisations kept", *solve()))
+    rows += [row(f"second order, {a:g}", *solve(accuracy=a)) for a in ACCURACIES if a > tight]
+    return rows
+
+
+def draw(rows: list[Row], title: str, out: Path) -> None:
+    """Error against seconds; one line per family of routes."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    fig, ax = plt.subplots(figsize=(7, 4.5))
+    families: dict[str, list[Row]] = {}
+    for r in rows:
+        families.setdefault(r[0].rsplit(", ", 1)[0] if r[0].startswith("second") else r[0], []).append(r)
+    colours = {mesh: f"C{i}" for i, mesh in enumerate(dict.fromkeys(n.split(",")[0] for n in families))}
+    for name, some in families.items():
+        mark = "o--" if name.endswith("backward Euler") else "k*" if "FEBio, rec" in name else "o-" if len(some) > 1 else "s"
+        ax.loglog([r[2] for r in some], [max(r[3], r[4]) for r in some], mark, label=name,
+                  color="k" if "FEBio, rec" in name else colours[name.split(",")[0]], markersize=6)  # fmt: skip
+    ax.set(xlabel="seconds", ylabel="relative error (larger of u and p)", title=title)
+    ax.grid(True, which="both", alpha=0.3)
+    ax.legend(fontsize=8)
+    fig.tight_layout()
+    fig.savefig(out, dpi=150)
+
+
+def main() -> None:
+    ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    ap.add_argument("scene")
+    ap.add_argument("--models", type=Path, default=DEFAULT)
+    ap.add_argument("--tight", type=float, default=3e-5)
+    ap.add_argument("--threads", type=int, default=2)
+    ap.add_argument("-o", "--output", type=Path)
+    a = ap.parse_args()
+    warnings.simplefilter("ignore")
+    rows = confined() if a.scene == "confined" else model(a.models, a.scene, a.tight, a.threads)
+    print("| route | steps | seconds | error of u or the reaction | error of p |\n|---|---|---|---|---|")
+    for route, steps, seconds, eu, ep in rows:
+        print(f"| {route} | {steps} | {seconds:.2f} | {eu:.1e} | {ep:.1e} |")
+    if a.output:
+        draw(rows, a.scene, a.output)
+
+
+if __name__ == "__main__":
+    main()
