@@ -116,7 +116,8 @@ def draw(rows: list[Row], title: str, out: Path) -> None:
         families.setdefault(r[0].rsplit(", ", 1)[0] if r[0].startswith("second") else r[0], []).append(r)
     colours = {mesh: f"C{i}" for i, mesh in enumerate(dict.fromkeys(n.split(",")[0] for n in families))}
     for name, some in families.items():
-        mark = "o--" if name.endswith("backward Euler") else "k*" if "FEBio, rec" in name else "o-" if len(some) > 1 else "s"
+        mark = "o--" if name.endswith("backward Euler") else "o-" if len(some) > 1 else "s"
+        mark = "k*" if "FEBio, rec" in name else mark
         ax.loglog([r[2] for r in some], [max(r[3], r[4]) for r in some], mark, label=name,
                   color="k" if "FEBio, rec" in name else colours[name.split(",")[0]], markersize=6)  # fmt: skip
     ax.set(xlabel="seconds", ylabel="relative error (larger of u and p)", title=title)
