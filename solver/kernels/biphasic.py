@@ -9,28 +9,27 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import kernel
-from .solid import add_point_stiffness, gradients
+from .solid import add_point_stiffness, gradients, inverse_map
 
 
 @kernel
 def pressures(lo, hi, conn, N, dN, iJ0, F, J, p, pg, gp):
     """Fluid pressure pg (m, g) and its spatial gradient gp (m, g, 3) of elements lo:hi."""
     nen = conn.shape[1]
-    G = np.empty((3, nen))
     for e in range(lo, hi):
         for g in range(dN.shape[0]):
-            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
             v = x = y = z = 0.0
             for a in range(nen):
                 q = p[conn[e, a]]
                 v += N[g, a] * q
-                x += G[0, a] * q
-                y += G[1, a] * q
-                z += G[2, a] * q
+                x += dN[g, a, 0] * q
+                y += dN[g, a, 1] * q
+                z += dN[g, a, 2] * q
             pg[e, g] = v
-            gp[e, g, 0] = x
-            gp[e, g, 1] = y
-            gp[e, g, 2] = z
+            gp[e, g, 0] = x * m00 + y * m10 + z * m20
+            gp[e, g, 1] = x * m01 + y * m11 + z * m21
+            gp[e, g, 2] = x * m02 + y * m12 + z * m22
 
 
 @kernel
@@ -61,27 +60,35 @@ def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt,
     ``steady`` drops div v (steady-state analysis).
     """
     nen = conn.shape[1]
-    G = np.empty((3, nen))
     f = np.empty((4, nen))
     for e in range(lo, hi):
         f[:] = 0.0
         for g in range(dN.shape[0]):
-            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
             v = wJ0[e, g] * J[e, g]
             q = p[e, g]
             s0, s1, s2 = (s[e, g, 0] - q) * v, (s[e, g, 1] - q) * v, (s[e, g, 2] - q) * v
             s3, s4, s5 = s[e, g, 3] * v, s[e, g, 4] * v, s[e, g, 5] * v
             w0, w1, w2 = w[e, g, 0] * v * dt, w[e, g, 1] * v * dt, w[e, g, 2] * v * dt
+            # stress and flux in natural coordinates: no gradients are formed
+            a00, a01 = s0 * m00 + s3 * m01 + s5 * m02, s0 * m10 + s3 * m11 + s5 * m12
+            a10, a11 = s3 * m00 + s1 * m01 + s4 * m02, s3 * m10 + s1 * m11 + s4 * m12
+            a20, a21 = s5 * m00 + s4 * m01 + s2 * m02, s5 * m10 + s4 * m11 + s2 * m12
+            a30, a31 = w0 * m00 + w1 * m01 + w2 * m02, w0 * m10 + w1 * m11 + w2 * m12
+            a02 = s0 * m20 + s3 * m21 + s5 * m22
+            a12 = s3 * m20 + s1 * m21 + s4 * m22
+            a22 = s5 * m20 + s4 * m21 + s2 * m22
+            a32 = w0 * m20 + w1 * m21 + w2 * m22
             # dt (phi_hat - div v) w j, with dt div v = 1 - J_prev / J
             h = 0.0 if steady else -wJ0[e, g] * (J[e, g] - Jp[e, g])
             if supply.shape[0] > 0:
                 h += supply[e, g] * v * dt
             for a in range(nen):
-                x, y, z = G[0, a], G[1, a], G[2, a]
-                f[0, a] += s0 * x + s3 * y + s5 * z
-                f[1, a] += s3 * x + s1 * y + s4 * z
-                f[2, a] += s5 * x + s4 * y + s2 * z
-                f[3, a] += w0 * x + w1 * y + w2 * z + h * N[g, a]
+                x, y, z = dN[g, a, 0], dN[g, a, 1], dN[g, a, 2]
+                f[0, a] += a00 * x + a01 * y + a02 * z
+                f[1, a] += a10 * x + a11 * y + a12 * z
+                f[2, a] += a20 * x + a21 * y + a22 * z
+                f[3, a] += a30 * x + a31 * y + a32 * z + h * N[g, a]
         for a in range(nen):
             n = conn[e, a]
             R[n, 0] -= f[0, a]

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..jit import kernel
+from .solid import inverse_map
 
 
 @lru_cache(maxsize=None)
@@ -32,25 +33,7 @@ def factors(nen: int, fluid: bool) -> Callable[..., Any]:
         for e in range(lo, hi):
             for g in range(ng):
                 q = (e - lo) * ng + g
-                f, f0, d = F[e, g], iJ0[e, g], 1.0 / J[e, g]
-                i00 = (f[1, 1] * f[2, 2] - f[1, 2] * f[2, 1]) * d
-                i01 = (f[0, 2] * f[2, 1] - f[0, 1] * f[2, 2]) * d
-                i02 = (f[0, 1] * f[1, 2] - f[0, 2] * f[1, 1]) * d
-                i10 = (f[1, 2] * f[2, 0] - f[1, 0] * f[2, 2]) * d
-                i11 = (f[0, 0] * f[2, 2] - f[0, 2] * f[2, 0]) * d
-                i12 = (f[0, 2] * f[1, 0] - f[0, 0] * f[1, 2]) * d
-                i20 = (f[1, 0] * f[2, 1] - f[1, 1] * f[2, 0]) * d
-                i21 = (f[0, 1] * f[2, 0] - f[0, 0] * f[2, 1]) * d
-                i22 = (f[0, 0] * f[1, 1] - f[0, 1] * f[1, 0]) * d
-                m00 = f0[0, 0] * i00 + f0[0, 1] * i10 + f0[0, 2] * i20
-                m01 = f0[0, 0] * i01 + f0[0, 1] * i11 + f0[0, 2] * i21
-                m02 = f0[0, 0] * i02 + f0[0, 1] * i12 + f0[0, 2] * i22
-                m10 = f0[1, 0] * i00 + f0[1, 1] * i10 + f0[1, 2] * i20
-                m11 = f0[1, 0] * i01 + f0[1, 1] * i11 + f0[1, 2] * i21
-                m12 = f0[1, 0] * i02 + f0[1, 1] * i12 + f0[1, 2] * i22
-                m20 = f0[2, 0] * i00 + f0[2, 1] * i10 + f0[2, 2] * i20
-                m21 = f0[2, 0] * i01 + f0[2, 1] * i11 + f0[2, 2] * i21
-                m22 = f0[2, 0] * i02 + f0[2, 1] * i12 + f0[2, 2] * i22
+                m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
                 w = wJ0[e, g] * J[e, g]
                 D, S = c[q], s[q]
                 pr = pw = k0 = k1 = k2 = k3 = k4 = k5 = 0.0

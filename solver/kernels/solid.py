@@ -99,8 +99,8 @@ def kinematics(lo, hi, u, conn, dN, iJ0, F, J):
 
 
 @kernel
-def gradients(F, J, iJ0, dN, G):
-    """Spatial shape gradients at one point: G (3, n) from F (3, 3), det J, iJ0 (3, 3), dN (n, 3)."""
+def inverse_map(F, J, iJ0):
+    """The derivatives of natural by spatial coordinates at one point, iJ0 F^-1, row by row."""
     d = 1.0 / J
     i00 = (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) * d
     i01 = (F[0, 2] * F[2, 1] - F[0, 1] * F[2, 2]) * d
@@ -111,15 +111,23 @@ def gradients(F, J, iJ0, dN, G):
     i20 = (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]) * d
     i21 = (F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]) * d
     i22 = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) * d
-    m00 = iJ0[0, 0] * i00 + iJ0[0, 1] * i10 + iJ0[0, 2] * i20
-    m01 = iJ0[0, 0] * i01 + iJ0[0, 1] * i11 + iJ0[0, 2] * i21
-    m02 = iJ0[0, 0] * i02 + iJ0[0, 1] * i12 + iJ0[0, 2] * i22
-    m10 = iJ0[1, 0] * i00 + iJ0[1, 1] * i10 + iJ0[1, 2] * i20
-    m11 = iJ0[1, 0] * i01 + iJ0[1, 1] * i11 + iJ0[1, 2] * i21
-    m12 = iJ0[1, 0] * i02 + iJ0[1, 1] * i12 + iJ0[1, 2] * i22
-    m20 = iJ0[2, 0] * i00 + iJ0[2, 1] * i10 + iJ0[2, 2] * i20
-    m21 = iJ0[2, 0] * i01 + iJ0[2, 1] * i11 + iJ0[2, 2] * i21
-    m22 = iJ0[2, 0] * i02 + iJ0[2, 1] * i12 + iJ0[2, 2] * i22
+    return (
+        iJ0[0, 0] * i00 + iJ0[0, 1] * i10 + iJ0[0, 2] * i20,
+        iJ0[0, 0] * i01 + iJ0[0, 1] * i11 + iJ0[0, 2] * i21,
+        iJ0[0, 0] * i02 + iJ0[0, 1] * i12 + iJ0[0, 2] * i22,
+        iJ0[1, 0] * i00 + iJ0[1, 1] * i10 + iJ0[1, 2] * i20,
+        iJ0[1, 0] * i01 + iJ0[1, 1] * i11 + iJ0[1, 2] * i21,
+        iJ0[1, 0] * i02 + iJ0[1, 1] * i12 + iJ0[1, 2] * i22,
+        iJ0[2, 0] * i00 + iJ0[2, 1] * i10 + iJ0[2, 2] * i20,
+        iJ0[2, 0] * i01 + iJ0[2, 1] * i11 + iJ0[2, 2] * i21,
+        iJ0[2, 0] * i02 + iJ0[2, 1] * i12 + iJ0[2, 2] * i22,
+    )
+
+
+@kernel
+def gradients(F, J, iJ0, dN, G):
+    """Spatial shape gradients at one point: G (3, n) from F (3, 3), det J, iJ0 (3, 3), dN (n, 3)."""
+    m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F, J, iJ0)
     for a in range(dN.shape[0]):
         r, s, t = dN[a, 0], dN[a, 1], dN[a, 2]
         G[0, a] = r * m00 + s * m10 + t * m20
@@ -129,21 +137,30 @@ def gradients(F, J, iJ0, dN, G):
 
 @kernel
 def internal_force(lo, hi, conn, dN, iJ0, wJ0, F, J, s, R):
-    """Subtract the internal force of elements lo:hi, sum_g s . grad N w j, from R (node, >=3)."""
+    """Subtract the internal force of elements lo:hi, sum_g s . grad N w j, from R (node, >=3).
+
+    s is pulled to natural coordinates at each point, so that no gradients are formed.
+    """
     nen = conn.shape[1]
-    G = np.empty((3, nen))
     f = np.empty((3, nen))
     for e in range(lo, hi):
         f[:] = 0.0
         for g in range(dN.shape[0]):
-            gradients(F[e, g], J[e, g], iJ0[e, g], dN[g], G)
+            m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
             w = wJ0[e, g] * J[e, g]
             s0, s1, s2 = s[e, g, 0] * w, s[e, g, 1] * w, s[e, g, 2] * w
             s3, s4, s5 = s[e, g, 3] * w, s[e, g, 4] * w, s[e, g, 5] * w
+            a00, a01 = s0 * m00 + s3 * m01 + s5 * m02, s0 * m10 + s3 * m11 + s5 * m12
+            a10, a11 = s3 * m00 + s1 * m01 + s4 * m02, s3 * m10 + s1 * m11 + s4 * m12
+            a20, a21 = s5 * m00 + s4 * m01 + s2 * m02, s5 * m10 + s4 * m11 + s2 * m12
+            a02 = s0 * m20 + s3 * m21 + s5 * m22
+            a12 = s3 * m20 + s1 * m21 + s4 * m22
+            a22 = s5 * m20 + s4 * m21 + s2 * m22
             for a in range(nen):
-                f[0, a] += s0 * G[0, a] + s3 * G[1, a] + s5 * G[2, a]
-                f[1, a] += s3 * G[0, a] + s1 * G[1, a] + s4 * G[2, a]
-                f[2, a] += s5 * G[0, a] + s4 * G[1, a] + s2 * G[2, a]
+                x, y, z = dN[g, a, 0], dN[g, a, 1], dN[g, a, 2]
+                f[0, a] += a00 * x + a01 * y + a02 * z
+                f[1, a] += a10 * x + a11 * y + a12 * z
+                f[2, a] += a20 * x + a21 * y + a22 * z
         for a in range(nen):
             n = conn[e, a]
             R[n, 0] -= f[0, a]
