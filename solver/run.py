@@ -19,7 +19,7 @@ from .saving import wanted
 from .schedule import Schedule, chunk_size
 from .second_order import SecondOrder, refusal
 from .state import State
-from .stepping import ErrorSteps, FixedSteps, stepper
+from .stepping import AutoSteps, ErrorSteps, FixedSteps, stepper
 from .system import System
 from .threads import Team
 
@@ -245,7 +245,7 @@ class Run:
                 fatal = isinstance(e, LinearError) or not step.retry()
                 self.tell("failed", why, None if fatal else step.dt)
                 if fatal:
-                    return f"{why}, at time {t:g}"
+                    return f"{why}, at time {t:g}{self._retried(e)}"
                 self.totals.retries += 1
                 newton.force_reform = True
                 continue
@@ -261,7 +261,16 @@ class Run:
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
             step.accept(s.time, min(counts.iterations, EASY) if newton.stale else counts.iterations)
+            if step.vanishing and step.end > s.time:
+                return f"the time step has shrunk to {step.dt:g}, at time {s.time:g}"
             return ""
+
+    def _retried(self, e: Exception) -> str:
+        """What a final failure adds: the retries that were made."""
+        step = self.stepper
+        if isinstance(e, LinearError) or not isinstance(step, AutoSteps) or not step.retries:
+            return ""
+        return f", after {step.retries} retries down to a step of {step.dt:g}"
 
     def _attempt(self, newton: Newton) -> tuple[Counts, bool]:
         """Solve the step to the present time; was its error small enough?"""

@@ -68,6 +68,8 @@ class Schedule:
         """For each group (by id) the elements with a node that elements of another thread have too."""
         seen = np.zeros(nodes, np.int16)
         for s in self.shares:
-            mine = np.unique(np.concatenate([g.conn[c.lo : c.hi].ravel() for g, c in s.chunks]))
-            seen[mine] += 1
+            mine = np.zeros(nodes, bool)
+            for g, c in s.chunks:
+                mine[g.conn[c.lo : c.hi]] = True
+            seen += mine
         return {id(g): np.asarray((seen[g.conn] > 1).any(axis=1)) for g in groups}

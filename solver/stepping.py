@@ -6,6 +6,8 @@ from math import sqrt
 
 from .problem import AutoStep, Step
 
+SMALLEST = 1e-12  # step over end time, as for the distance of must points
+
 
 class FixedSteps:
     """``count`` steps of ``dt``."""
@@ -25,10 +27,17 @@ class FixedSteps:
         """Make the step smaller; False where it may not be."""
         return False
 
+    @property
+    def vanishing(self) -> bool:
+        """True where the step has shrunk to nothing against the end time: going on would never get there."""
+        return self.dt <= abs(self.end) * SMALLEST
+
 
 class AutoSteps(FixedSteps):
     """Grows and shrinks with the iterations a step took, and never steps over a must point.
 
+    A step that fails is cut by the same amount each time (or by ``cutback``), ``max_retries`` times; as in FEBio,
+    dtmin bounds what follows a step that converged, not these cuts.
     After a step of N iterations with optimum M, r = sqrt(M / N): dt grows towards dtmax by
     min(0.2, r - 1) of the gap where r >= 1, else shrinks towards dtmin by 1 - r of it.
     """
@@ -37,7 +46,7 @@ class AutoSteps(FixedSteps):
         super().__init__(step, start)
         self.auto = auto
         self._base = step.dt  # size before must points cut it
-        self._retries = 0
+        self.retries = 0
         self._cut = 0.0
         self._next = -1
         self._offset = 0.0
@@ -47,7 +56,7 @@ class AutoSteps(FixedSteps):
         self._size(t, 0)
 
     def accept(self, t: float, iterations: int) -> None:
-        self._retries = 0
+        self.retries = 0
         if t + self.end * 1e-7 < self.end:
             self._size(t, iterations)
 
@@ -104,18 +113,18 @@ class AutoSteps(FixedSteps):
 
     def retry(self) -> bool:
         a = self.auto
-        if self._retries >= a.max_retries:
+        if self.retries >= a.max_retries:
             return False
-        if self._retries == 0:
+        if self.retries == 0:
             self._cut = self.dt / (a.max_retries + 1)
         self.dt = self.dt * a.cutback if a.aggressive else self.dt - self._cut
-        self._retries += 1
+        self.retries += 1
         if self._must >= 0:
             self._next -= 1
             self._must = -1
         self._base = self.dt
         self.at_must_point = False
-        return self.dt > 0
+        return not self.vanishing
 
 
 class ErrorSteps(AutoSteps):
@@ -137,7 +146,7 @@ class ErrorSteps(AutoSteps):
         self._cut_at(t)
 
     def accept(self, t: float, iterations: int) -> None:
-        self._retries = 0
+        self.retries = 0
         if t + self.end * 1e-7 < self.end:
             self._cut_at(t)
 
@@ -157,9 +166,9 @@ class ErrorSteps(AutoSteps):
         return good
 
     def retry(self) -> bool:
-        if self._retries >= 20:
+        if self.retries >= 20:
             return False
-        self._retries += 1
+        self.retries += 1
         self._again(0.25 * self.dt)
         return self.dt > 1e-14 * self.end
 

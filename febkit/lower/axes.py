@@ -44,7 +44,8 @@ def _nodes(c: Component, n: int) -> tuple[int, ...]:
     return (*numbers, *([0] * n))[:n]
 
 
-def _map(ctx: Context, c: Component, part: str, width: int) -> np.ndarray:
+def rows(ctx: Context, c: Component, part: str, width: int) -> np.ndarray:
+    """The first ``width`` columns of the element map that ``c`` names, one row for each element of the part."""
     name = (c.child("map") or c).text.strip()
     data = next((d for d in ctx.model.mesh_data if d.name == name), None)
     if data is None:
@@ -64,7 +65,7 @@ MAT_AXIS: dict[str, Make] = {
         _vec(c, "center", (0, 0, 0)), _vec(c, "axis", (0, 0, 1)), _vec(c, "vector1", (1, 0, 0)),
         _vec(c, "vector2", (1, 0, 0)), c.float("radius1", 0.0), c.float("radius2", 1.0),
     ),
-    "map": lambda x, c, p: axes.FixedAxes(_map(x, c, p, 9).reshape(-1, 3, 3)),
+    "map": lambda x, c, p: axes.FixedAxes(rows(x, c, p, 9).reshape(-1, 3, 3)),
 }  # fmt: skip
 
 
@@ -94,7 +95,7 @@ DIRECTION: dict[str, Make] = {
     ),
     "user": _user_fiber,
     "math": _math_fiber,
-    "map": lambda x, c, p: axes.fixed_vector(_map(x, c, p, 3)),
+    "map": lambda x, c, p: axes.fixed_vector(rows(x, c, p, 3)),
 }  # fmt: skip
 
 

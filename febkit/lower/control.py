@@ -53,12 +53,13 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
     ctx.check_tags(c, {
         "max_retries", "opt_iter", "dtmin", "dtmax", "aggressiveness", "cutback", "dtforce", "must_points",
     })  # fmt: skip
+    leaf = c.child("dtmax")
+    curved = leaf is not None and leaf.lc is not None  # the curve alone counts; FEBio takes an empty value then
     a = AutoStep(
         max_retries=c.int("max_retries", 5), optimal_iterations=c.int("opt_iter", 11),
-        dtmin=c.float("dtmin", 0.0), dtmax=c.float("dtmax", 0.1), aggressive=c.bool("aggressiveness"),
-        cutback=c.float("cutback", 0.5), force=c.bool("dtforce"),
+        dtmin=c.float("dtmin", 0.0), dtmax=0.0 if curved else c.float("dtmax", 0.1),
+        aggressive=c.bool("aggressiveness"), cutback=c.float("cutback", 0.5), force=c.bool("dtforce"),
     )  # fmt: skip
-    leaf = c.child("dtmax")
     if leaf is not None and leaf.lc is not None:
         a.dtmax_curve = ctx.controller(leaf.lc, leaf.where)
         spec = next(q for q in ctx.model.controllers if q.id == leaf.lc)

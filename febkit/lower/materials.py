@@ -16,14 +16,14 @@ from febkit.solver.solids.base import Property
 from febkit.solver.values import Constant
 
 from . import shells
-from .axes import direction, element_axes, mat_axis
+from .axes import direction, element_axes, mat_axis, rows
 from .context import Context
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
 OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_field", "but4", "secant_stress", "secant_tangent"})  # noqa: E501
 # materials whose results do not agree with FEBio's yet: refused rather than trusted
-UNPROVEN = frozenset({"multigeneration", "cubic CLE"})
+UNPROVEN = frozenset({"cubic CLE"})
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis"})
 
@@ -139,9 +139,12 @@ def _law(ctx: Context, spec: Component, registry_: Any, part: str) -> Any:
     return cls(**fields)
 
 
-def _numbers(ctx: Context, leaf: Component, n: int) -> tuple[Any, ...]:
-    from febkit.solver.values import Scaled
+def _numbers(ctx: Context, leaf: Component, n: int, part: str = "") -> tuple[Any, ...]:
+    """A parameter of ``n`` numbers: given in the file, or by the ``n`` columns of an element map."""
+    from febkit.solver.values import Map, Scaled
 
+    if leaf.type == "map" and part:
+        return tuple(Map(column) for column in np.ascontiguousarray(rows(ctx, leaf, part, n).T))
     numbers = leaf.as_floats(n)
     if leaf.lc is None:
         return tuple(Constant(x) for x in numbers)
@@ -201,7 +204,7 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
         fields.setdefault(name, []).append(_child(ctx, c, cls.properties[name], part))
     elif name in cls.parameters:
         default = _defaults(cls).get(name)
-        fields[name] = _numbers(ctx, c, len(default)) if isinstance(default, tuple) and c.type != "map" else ctx.value(c, maps=part)  # noqa: E501
+        fields[name] = _numbers(ctx, c, len(default), part) if isinstance(default, tuple) else ctx.value(c, maps=part)
     elif name in cls.options:
         fields[name] = _option(c)
     elif c.tag == "density" and hasattr(cls, "density_"):

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..points import Points
+from ..special import erfc, gamma, gammainc
 from ..values import as_value
 from .base import Floats, Number, Property
 from .registry import register
@@ -69,8 +70,6 @@ class LogNormal(DistributionFunction):
     parameters = ("Dmax", "mu", "sigma")
 
     def cdf(self, pts: Points, X: Floats) -> Floats:
-        from scipy.special import erfc
-
         mu, sigma = self.p("mu", pts, X), self.p("sigma", pts, X)
         x = np.where(X > 0, X, 1.0)
         return np.where(X > 0, 0.5 * erfc(-np.log(x / mu) / sigma / np.sqrt(2.0)), 0.0)
@@ -146,13 +145,9 @@ class Gamma(DistributionFunction):
     parameters = ("Dmax", "alpha", "mu")
 
     def cdf(self, pts: Points, X: Floats) -> Floats:
-        from scipy.special import gammainc
-
         return gammainc(self.p("alpha", pts, X), np.maximum(X, 0.0) / self.p("mu", pts, X))
 
     def pdf(self, pts: Points, X: Floats) -> Floats:
-        from scipy.special import gamma
-
         a, mu = self.p("alpha", pts, X), self.p("mu", pts, X)
         x = np.where(X > 0, X, 1.0) / mu
         return np.where(X > 0, x ** (a - 1) * np.exp(-x) / mu / gamma(a), 0.0)

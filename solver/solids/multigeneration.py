@@ -12,6 +12,8 @@ from ..values import as_value
 from .base import Floats, Number, Property, Solid, deformed, unwritten
 from .registry import register
 
+_HEAD = 11  # number of generations, start of the last, F of the last state
+
 
 @dataclass(eq=False)
 class Generation(Solid):
@@ -33,8 +35,9 @@ class Generation(Solid):
 class Multigeneration(Solid):
     """sigma = sum of sigma_g(F F_g^-1) over the generations laid down so far, F_g the deformation at that time.
 
-    A generation joins at the end of the first step that ends at or after its start time. History: number of
-    generations, time of the last, and F_g^-1 of each. Ateshian & Ricken, Biomech. Model. Mechanobiol. 9 (2010) 689.
+    A generation joins in the first step that ends at or after its start time, free of stress at the start of that
+    step, one generation a step. History: number of generations, start time of the last, F of the last state, and
+    F_g^-1 of each. Ateshian & Ricken, Biomech. Model. Mechanobiol. 9 (2010) 689.
     """
 
     generation: tuple[Generation, ...] = ()
@@ -43,12 +46,12 @@ class Multigeneration(Solid):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.history = 2 + 9 * len(self.generation)
+        self.history = _HEAD + 9 * len(self.generation)
 
     def initial(self, n: int) -> Floats:
         out = np.zeros((n, self.history))
         out[:, 0] = 1.0
-        out[:, 2:] = np.tile(np.eye(3).ravel(), len(self.generation))
+        out[:, 2:] = np.tile(np.eye(3).ravel(), 1 + len(self.generation))
         return out
 
     def _start(self, g: int, pts: Points) -> float:
@@ -65,23 +68,25 @@ class Multigeneration(Solid):
         """(generation, points as it sees them, J of its inverse reference) for those laid down."""
         at, h = self.offset, self.history
         old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
-        count = int(old[0, 0])
+        now = self._lay_down(pts, old)
         if pts.new is not None:
-            self._lay_down(pts, old)
+            pts.new[:, at : at + h] = now
         out = []
-        for g in range(count):
-            Fi = old[:, 2 + 9 * g : 11 + 9 * g].reshape(-1, 3, 3)
+        for g in range(int(now[0, 0])):
+            Fi = now[:, _HEAD + 9 * g : _HEAD + 9 + 9 * g].reshape(-1, 3, 3)
             out.append((self.generation[g], deformed(pts, pts.F @ Fi), det(Fi)))
         return out
 
-    def _lay_down(self, pts: Points, old: Floats) -> None:
-        new = old.copy()
-        born = self._start(self._latest(pts), pts)
-        count = int(old[0, 0])
+    def _lay_down(self, pts: Points, old: Floats) -> Floats:
+        """History at the present state: a generation due by now joins in the state that the step starts from."""
+        now = old.copy()
+        born, count = self._start(self._latest(pts), pts), int(old[0, 0])
         if born > old[0, 1] and count < len(self.generation):
-            new[:, 2 + 9 * count : 11 + 9 * count] = inv(pts.F).reshape(-1, 9)
-            new[:, 0], new[:, 1] = count + 1, born
-        pts.new[:, self.offset : self.offset + self.history] = new  # type: ignore[index]
+            at = _HEAD + 9 * count
+            now[:, at : at + 9] = inv(old[:, 2:_HEAD].reshape(-1, 3, 3)).reshape(-1, 9)
+            now[:, 0], now[:, 1] = count + 1, born
+        now[:, 2:_HEAD] = pts.F.reshape(-1, 9)
+        return now
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         for material, state, _ in self._states(self.inner(pts)):

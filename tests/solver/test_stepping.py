@@ -110,6 +110,38 @@ def test_aggressive_retries_halve() -> None:
     np.testing.assert_allclose(sizes, [0.08, 0.04, 0.02])
 
 
+def test_retries_may_go_below_dtmin() -> None:
+    """As in FEBio: dtmin is for the size after a step that converged."""
+    s = auto(dt=0.12, dtmax=0.2, dtmin=0.1, max_retries=5)
+    s.first(0.0)
+    while s.retry():
+        pass
+    assert s.dt == pytest.approx(0.02)
+    s.accept(0.02, 3)
+    assert s.dt == pytest.approx(0.1)
+
+
+def test_a_step_cut_to_nothing_is_given_up() -> None:
+    s = auto(dt=0.1, dtmax=0.2, aggressive=True, cutback=0.5, max_retries=10**6)
+    s.first(0.0)
+    cuts = 0
+    while s.retry():
+        cuts += 1
+        assert cuts < 100
+    assert s.vanishing and cuts == pytest.approx(36, abs=1)
+
+
+def test_steps_that_shrink_for_ever_vanish() -> None:
+    """Without dtmin a run of slow steps shrinks them geometrically; the run must be able to end."""
+    s = auto(dt=0.1, dtmax=0.2, optimal_iterations=1)
+    s.first(0.0)
+    n = 0
+    while not s.vanishing:
+        s.accept(0.1, 25)
+        n += 1
+        assert n < 100
+
+
 def test_a_retry_before_a_must_point_still_meets_it() -> None:
     s = auto(dt=0.1, dtmax=0.1, must_points=(0.0, 0.1, 1.0))
     s.first(0.0)

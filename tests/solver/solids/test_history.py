@@ -115,11 +115,18 @@ def test_flow_curves_of_points_pass_through_them():
         assert sum(w[0, i] * min(E * strain, k) for i, k in enumerate(Ky[0])) == pytest.approx(stress)
 
 
-def test_a_generation_is_free_of_stress_when_laid_down():
+def test_a_generation_joins_free_of_stress_where_its_step_starts():
+    """Due at t = 1, in the step from 0.5 to 1: from then on the second solid sees F F(0.5)^-1 (FEBio's Update)."""
     gen = load("generation", "generation")
     solid = load("solid", "multigeneration")(
         generation=(gen(0.0, neo_hookean()), gen(1.0, neo_hookean())),
     )
-    s = walk(solid, held(4), 0.5)
-    rest = evaluate(neo_hookean(), Points.at(np.diag([1.1, 1.0, 1.0])[None]), False)[0][0]
-    np.testing.assert_allclose(s[-1], rest, rtol=1e-12, atol=1e-15)
+    path = [np.diag([1.0 + 0.1 * k, 1.0, 1.0]) for k in range(1, 5)]
+    s = walk(solid, path, 0.5)
+
+    def alone(F):
+        return evaluate(neo_hookean(), Points.at(F[None]), False)[0][0]
+
+    np.testing.assert_allclose(s[0], alone(path[0]), rtol=1e-12, atol=1e-15)
+    for got, F in zip(s[1:], path[1:], strict=True):
+        np.testing.assert_allclose(got, alone(F) + alone(F @ np.linalg.inv(path[0])), rtol=1e-12, atol=1e-15)

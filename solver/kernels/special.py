@@ -1,0 +1,87 @@
+"""Special functions of distributions, elementwise over flat arrays.
+
+Loading scipy's takes a third of a second, several times what a small model takes to solve.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..jit import kernel
+
+EPS = 1e-16
+TINY = 1e-300
+MOST = 10000  # terms
+
+
+@kernel
+def erfc(x, out):
+    """Complementary error function."""
+    for i in range(len(x)):
+        out[i] = math.erfc(x[i])
+
+
+@kernel
+def gamma(x, out):
+    """Gamma function."""
+    for i in range(len(x)):
+        out[i] = math.gamma(x[i])
+
+
+@kernel
+def _series(a, x):
+    """Regularised lower incomplete gamma function by its series, for x < a + 1 (Abramowitz & Stegun 6.5.29)."""
+    term = total = 1.0 / a
+    n = a
+    for _ in range(MOST):
+        n += 1.0
+        term *= x / n
+        total += term
+        if abs(term) < EPS * abs(total):
+            break
+    return total * math.exp(a * math.log(x) - x - math.lgamma(a))
+
+
+@kernel
+def _fraction(a, x):
+    """Continued fraction whose product with exp(-x) x^a is the upper incomplete gamma function.
+
+    Abramowitz & Stegun 6.5.31, evaluated forwards (Lentz, Appl. Opt. 15 (1976) 668).
+    """
+    b = x + 1.0 - a
+    c, d = 1.0 / TINY, 1.0 / b
+    h = d
+    for k in range(1, MOST):
+        q = -k * (k - a)
+        b += 2.0
+        d = q * d + b
+        if abs(d) < TINY:
+            d = TINY
+        c = b + q / c
+        if abs(c) < TINY:
+            c = TINY
+        d = 1.0 / d
+        h *= d * c
+        if abs(d * c - 1.0) < EPS:
+            break
+    return h
+
+
+@kernel
+def gammainc(a, x, upper, out):
+    """Regularised incomplete gamma function P(a, x), a > 0, x >= 0; ``upper``: Q = 1 - P."""
+    for i in range(len(x)):
+        if not (x[i] > 0.0 and a[i] > 0.0):
+            p = 0.0 if x[i] == 0.0 else np.nan
+            out[i] = 1.0 - p if upper else p
+        elif math.isinf(x[i]):
+            out[i] = 0.0 if upper else 1.0
+        elif x[i] < a[i] + 1.0:
+            p = _series(a[i], x[i])
+            out[i] = 1.0 - p if upper else p
+        else:
+            scale = math.exp(a[i] * math.log(x[i]) - x[i] - math.lgamma(a[i]))
+            q = scale * _fraction(a[i], x[i])
+            out[i] = q if upper else 1.0 - q
