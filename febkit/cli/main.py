@@ -49,8 +49,6 @@ def main() -> None:
     """Run the command line; bad input is a message and exit code 2, never a traceback."""
     import sys
 
-    from febkit.model.source import InputError
-
     try:
         cli.main(standalone_mode=False)
     except click.ClickException as e:
@@ -61,13 +59,16 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         print("interrupted", file=sys.stderr)
         sys.exit(130)
-    except InputError as e:
-        print(f"febkit: {e}", file=sys.stderr)
-        sys.exit(2)
     except BrokenPipeError:
         sys.exit(0)
     except OSError as e:
         print(f"febkit: {e.filename or ''}: {e.strerror or e}".replace(": : ", ": "), file=sys.stderr)
+        sys.exit(2)
+    except Exception as e:
+        source = sys.modules.get("febkit.model.source")  # who raises its error has imported it; help has not
+        if source is None or not isinstance(e, source.InputError):
+            raise
+        print(f"febkit: {e}", file=sys.stderr)
         sys.exit(2)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from time import perf_counter
 
 import pytest
 
@@ -76,16 +75,13 @@ def test_reading_does_not_import_numba() -> None:
     assert done.stdout.strip() == "False"
 
 
-def test_help_is_quick() -> None:
-    """Best of three, in units of what a bare interpreter takes, so that a busy machine does not matter."""
-
-    def seconds(*args: str) -> float:
-        best = 1e9
-        for _ in range(3):
-            t = perf_counter()
-            subprocess.run([sys.executable, *args], capture_output=True, check=True)
-            best = min(best, perf_counter() - t)
-        return best
-
-    bare = seconds("-c", "import click")
-    assert seconds("-m", "febkit.cli.main", "--help") < max(0.3, 3.0 * bare)
+def test_the_command_itself_imports_nothing_heavy() -> None:
+    """As a shell calls it: what handles errors must not cost what it never meets (0.3 s is the aim; see benchmarks)."""
+    program = (
+        "import sys; sys.argv = ['febkit', '--help']\n"
+        "from febkit.cli.main import main\n"
+        "try:\n    main()\nfinally:\n"
+        "    print('HEAVY:', *[m for m in ('numpy', 'numba', 'lxml', 'xarray', 'rich') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.rsplit("HEAVY:", 1)[1].split() == []
