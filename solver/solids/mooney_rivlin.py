@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class MooneyRivlin(Uncoupled):
 
     c1: Number = 0.0
     c2: Number = 0.0
-    parameters = ("c1", "c2")
+    parameters: ClassVar[tuple[str, ...]] = ("c1", "c2")
 
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
         run(pts.F, pts.J, self.par(pts), s, wanted(c))

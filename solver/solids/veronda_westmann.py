@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class VerondaWestmann(Uncoupled):
 
     c1: Number = 0.0
     c2: Number = 0.0
-    parameters = ("c1", "c2")
+    parameters: ClassVar[tuple[str, ...]] = ("c1", "c2")
 
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
         run(pts.F, pts.J, self.par(pts), s, wanted(c))

@@ -1,25 +1,25 @@
-"""Mooney-Rivlin solid with one family of fibers, for ligament, tendon and muscle."""
+"""Mooney-Rivlin and Veronda-Westmann solids with one family of fibers, for ligament, tendon and muscle."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Number, Property, wanted
+from .base import Floats, Number, Property
 from .fiber import directions
 from .fiber_exp_linear import add_family, family_energy
-from .invariants import isochoric_invariants
-from .mooney_rivlin import run
+from .mooney_rivlin import MooneyRivlin
 from .registry import register
 from .uncoupled import Uncoupled
+from .veronda_westmann import VerondaWestmann
 
 
 @dataclass(eq=False)
-class TransIsoMooneyRivlin(Uncoupled):
-    """W~ = c1 (I1~ - 3) + c2 (I2~ - 3) + F(l~), with the fiber law of :mod:`.fiber_exp_linear`.
+class _WithFibers(Uncoupled):
+    """Adds F(l~) of :mod:`.fiber_exp_linear` to the solid that comes next among the bases, of c1 and c2.
 
     Weiss, Maker & Govindjee, Comput. Methods Appl. Mech. Eng. 135 (1996) 107. ``active_contraction`` adds
     an active tension along the fiber.
@@ -33,25 +33,33 @@ class TransIsoMooneyRivlin(Uncoupled):
     lam_max: Number = 1.0
     fiber: Any = field(default=None, kw_only=True)
     active_contraction: Any = field(default=None, kw_only=True)
-    parameters = ("c1", "c2", "c3", "c4", "c5", "lam_max")
+    parameters: ClassVar[tuple[str, ...]] = ("c1", "c2", "c3", "c4", "c5", "lam_max")
     properties = {
         "fiber": Property("direction", default="vector"),
         "active_contraction": Property("active", optional=True),
     }
 
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        par = self.par(pts)
+        super().dev(pts, s, c)
         a0 = directions(self.fiber, self.inner(pts))
-        run(pts.F, pts.J, par, s, wanted(c))
-        add_family(pts, a0, np.ascontiguousarray(par[:, 2:]), s, c)
+        add_family(pts, a0, np.ascontiguousarray(self.par(pts)[:, 2:]), s, c)
         if self.active_contraction is not None:
             self.active_contraction.add(pts, a0, s, c)
 
     def dev_energy(self, pts: Points) -> Floats:
-        I1, I2 = isochoric_invariants(pts)
-        par = self.par(pts)
         a0 = directions(self.fiber, self.inner(pts))
-        return par[:, 0] * (I1 - 3) + par[:, 1] * (I2 - 3) + family_energy(pts, a0, par[:, 2:])
+        return super().dev_energy(pts) + family_energy(pts, a0, self.par(pts)[:, 2:])
+
+
+@dataclass(eq=False)
+class TransIsoMooneyRivlin(_WithFibers, MooneyRivlin):
+    """W~ = c1 (I1~ - 3) + c2 (I2~ - 3) + F(l~)."""
+
+
+@dataclass(eq=False)
+class TransIsoVerondaWestmann(_WithFibers, VerondaWestmann):
+    """W~ = c1 (exp[c2 (I1~ - 3)] - 1) - c1 c2 (I2~ - 3) / 2 + F(l~)."""
 
 
 register(TransIsoMooneyRivlin, "trans iso Mooney-Rivlin")
+register(TransIsoVerondaWestmann, "trans iso Veronda-Westmann")
