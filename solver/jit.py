@@ -146,7 +146,7 @@ class Kernel:
             return linker().link(stored[0], name, stored[1])
         except Exception as e:  # numba's dispatcher runs it, or says what is wrong with it
             if os.environ.get("FEBKIT_NATIVE") == "1":
-                raise RuntimeError(f"no machine code of its own for {self.__name__}({types})") from e
+                raise RuntimeError(f"no machine code of its own for {self.__name__}({types}): {e}") from e
             return None
 
     def __getattr__(self, name: str) -> Any:

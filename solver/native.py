@@ -133,15 +133,16 @@ class Linker:
         llvm = self._llvm
         return f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
 
-    def link(self, code: bytes, name: str, undefined: list[str]) -> Callable[..., Any] | None:
-        """The function ``name`` of an object, or None where a symbol it needs is not in this process."""
-        if not all(self._llvm.address_of_symbol(s) for s in undefined):
-            return None
+    def link(self, code: bytes, name: str, undefined: list[str]) -> Callable[..., Any]:
+        """The function ``name`` of an object. Raises LookupError where a symbol it needs is not in this process."""
+        missing = [s for s in undefined if not self._llvm.address_of_symbol(s)]
+        if missing:
+            raise LookupError(f"not in this process: {', '.join(missing)}")
         self._engine.add_object_file(self._llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         address = self._engine.get_function_address(name)
         if not address:
-            return None
+            raise LookupError(f"the object has no {name}")
         d = _Definition(name.encode(), address, FASTCALL, None)
         self._kept.append(d)
         return self._function(ctypes.addressof(d), MISS, None)
