@@ -2,6 +2,7 @@
 
     python tests/benchmarks/solver.py [--models ../shared/oracle/bench] [--only tissue15_B cell_small]
     python tests/benchmarks/solver.py --factor tissue25_B
+    python tests/benchmarks/solver.py --loops tissue25_B
 
 A model's folder holds ``models/*.feb``, ``reference/*.npz`` (FEBio's nodal u and p) and ``febio.json``
 (FEBio's seconds and peak memory on two threads). Prints a Markdown table; errors are relative, the
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -96,17 +98,57 @@ def factor_memory(model: Path) -> None:
     print(f"LDL^T / LU memory: {found['LDL^T']['factor_kB'] / found['LU']['factor_kB']:.2f}")
 
 
+def loops(folder: Path, name: str, threads: int) -> None:
+    """Milliseconds of one tangent, stress update and residual, beside FEBio's mean of its run."""
+    import febkit
+    from febkit.lower import lower
+    from febkit.solver.run import Options, Run
+    from febkit.solver.system import System
+
+    def best(work: Callable[[], object]) -> float:
+        work()
+        seconds = []
+        for _ in range(7):
+            start = time.perf_counter()
+            work()
+            seconds.append(time.perf_counter() - start)
+        return 1e3 * min(seconds)
+
+    problem = lower(febkit.read(folder / "models" / f"{name}.feb"))
+    run = Run(problem, [], Options(threads=threads))
+    run._set_up()
+    system = System(problem, problem.steps[0], run.groups, run.state, run.schedule)
+    run.state.dt = run.state.time = problem.steps[0].dt
+    step = np.zeros(system.eqs.n)
+    ours = {"tangent": best(lambda: system.tangent(step)), "update and residual": best(system.update)
+            + best(system.residual)}  # fmt: skip
+    known = json.loads((folder / "febio.json").read_text())[name]
+    split = known["split_s"]
+    theirs = {
+        "tangent": 1e3 * split["evaluating stiffness"] / known["reforms"],
+        "update and residual": 1e3 * (split["model update"] + split["evaluating residual"]) / known["rhs"],
+    }
+    for what, ms in ours.items():
+        each = 1e3 * ms / known["elements"]
+        print(f"{name}, {what}: {ms:.1f} ms ({each:.2f} us an element), FEBio {theirs[what]:.0f} ms: "
+              f"{theirs[what] / ms:.1f} times")  # fmt: skip
+
+
 def main() -> None:
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument("--models", type=Path, default=DEFAULT)
     ap.add_argument("--only", nargs="*", default=["tissue15_B", "cell_small"])
     ap.add_argument("--threads", type=int, default=2)
     ap.add_argument("--factor", help="name of one model: measure its factorisation instead")
+    ap.add_argument("--loops", help="name of one model: time its element loops instead")
     a = ap.parse_args()
     if not a.models.is_dir():
         raise SystemExit(f"{a.models}: no such folder; give --models")
     if a.factor:
         factor_memory(a.models / "models" / f"{a.factor}.feb")
+        return
+    if a.loops:
+        loops(a.models, a.loops, a.threads)
         return
     febio = json.loads((a.models / "febio.json").read_text())
     print("| model | elements | febkit s | FEBio s | ratio | febkit MB | FEBio MB | error of u | error of p |")
