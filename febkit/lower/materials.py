@@ -42,6 +42,8 @@ def blocks(ctx: Context) -> list[Block]:
             raise InputError(f'there is no element block "{d.block}"', d.where)
         if d.material not in named:
             raise InputError(f'there is no material "{d.material}"', d.where)
+        if d.material in ctx.rigid:  # its nodes are led; its elements do nothing
+            continue
         b = _block(ctx, d, named[d.material])
         if b is not None:
             out.append(b)
