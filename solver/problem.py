@@ -72,13 +72,15 @@ class Fixed:
 class Prescribed:
     """Prescribes one column on nodes: ``value(t, X[nodes], index within nodes)``.
 
-    ``relative``: on top of the value at the start of the analysis step.
+    ``relative``: on top of the value at the start of the analysis step. ``rigid``: nodes that no deformable element
+    holds move, too.
     """
 
     column: int
     nodes: Ints
     value: Value
     relative: bool = False
+    rigid: bool = False
 
 
 @dataclass(eq=False)

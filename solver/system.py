@@ -49,6 +49,9 @@ class System:
         active = np.zeros(self.state.d.shape, bool)
         for g in self.groups:
             active[g.conn.ravel(), : g.columns] = True
+        for c in self.conditions:
+            if isinstance(c, Prescribed) and c.rigid:
+                active[c.nodes, c.column] = True
         return active
 
     def _begin_conditions(self) -> None:

@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
-from . import conditions, control, loads, materials, shells
+from . import conditions, control, loads, materials, rigid, shells
 from .context import Context
 
 
@@ -42,6 +42,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     _whole_sections(ctx)
     if model.module not in ("solid", "biphasic"):
         return None, ctx.refused
+    ctx.rigid = rigid.bodies(ctx)
     blocks = materials.blocks(ctx)
     domains = {d.block: d for d in model.domains if d.kind == "shell"}
     if domains and not ctx.refused:
@@ -49,6 +50,8 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     common = Step()
     _fill(ctx, common, model.common)
     steps = [_step(ctx, s) for s in model.steps]
+    for s in steps:  # bodies take their nodes from every other condition
+        s.conditions += rigid.conditions(ctx)
     _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
@@ -71,7 +74,7 @@ def _whole_sections(ctx: Context) -> None:
     if m.module not in ("solid", "biphasic"):
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
-        for c in (*step.contact, *step.constraints, *step.rigid, *step.adaptors):
+        for c in (*step.contact, *step.constraints, *step.adaptors):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     for c in m.discrete:
         ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)

@@ -8,6 +8,7 @@ from febkit.model import Component, InputError
 from febkit.model.sets import node_indices
 from febkit.solver.problem import UX, UY, UZ, Fixed, Initial, P, Prescribed
 
+from . import rigid
 from .context import Context
 
 COLUMN = {"x": UX, "y": UY, "z": UZ, "p": P}
@@ -19,6 +20,9 @@ def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Presc
     """Boundary conditions in file order."""
     out: list[Fixed | Prescribed] = []
     for c in specs:
+        if c.type == "rigid":
+            rigid.attach(ctx, c)
+            continue
         make = READERS.get(c.type or "")
         if make is None:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)

@@ -5,12 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from febkit.model import Component, InputError, Model, UnsupportedError, Where
 from febkit.model import math as formulas
 from febkit.solver.values import Constant, Expression, Map, Scaled, Value
+
+if TYPE_CHECKING:
+    from .rigid import Body
 
 Controller = Callable[[float], float]
 _PARAMETER = re.compile(r"\$\{(fem\.material\('([^']+)'\)\.(\w+))\}")
@@ -24,6 +28,7 @@ class Context:
         self.refused: list[UnsupportedError] = []
         self._controllers: dict[int, Controller] = {}
         self.X = model.mesh.X  # nodes of the problem: the mesh's, then back nodes of shells
+        self.rigid: dict[str, Body] = {}  # rigid bodies by the name of their material
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:

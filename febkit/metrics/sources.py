@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from febkit.model import Component, Model
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 # effective stress (e,) of a group's elements at a state, time index
 T = TypeVar("T")
 EffectiveStress = Callable[[State, int], Floats]
@@ -43,6 +44,27 @@ class Provenance:
 
 
 @dataclass(slots=True, eq=False)
+class Reader:
+    """An element variable at the rows its groups need, read once for each time they are measured at."""
+
+    variable: xr.DataArray
+    rows: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    _t: int = field(default=-1, init=False)
+    _values: Floats = field(init=False)
+
+    def of(self, rows: Ints) -> Callable[[int], Floats]:
+        """(e, ...) values of these rows by index of time."""
+        self.rows, self._t = np.union1d(self.rows, rows), -1
+        return lambda t: self._at(t)[np.searchsorted(self.rows, rows)]
+
+    def _at(self, t: int) -> Floats:
+        if t != self._t:
+            v = self.variable.isel(time=t, element=self.rows).values
+            self._t, self._values = t, np.asarray(v, dtype=float)
+        return self._values
+
+
+@dataclass(slots=True, eq=False)
 class Sources:
     """Chooses, for each group, the best source there is; ``notes`` tells which."""
 
@@ -51,6 +73,8 @@ class Sources:
     notes: Provenance = field(default_factory=Provenance)
     parts: dict[str, Component] = field(init=False)
     laws: SolverLaws | None = field(init=False)
+    _readers: dict[str, Reader] = field(default_factory=dict, init=False)
+    _frames: dict[str, tuple[int, Floats]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         self.parts = materials.of_parts(self.model) if self.model is not None else {}
@@ -60,7 +84,17 @@ class Sources:
         """(N, 3) nodal displacements."""
         if "displacement" not in self.ds:
             raise InputError("the result holds no displacement: nothing can be measured without it")
-        return np.asarray(self.ds["displacement"][t].values, dtype=float)
+        return self._nodal("displacement", t)
+
+    def _nodal(self, name: str, t: int) -> Floats:
+        """(N, ...) nodal values; those of the last time are kept."""
+        if name not in self._frames or self._frames[name][0] != t:
+            self._frames[name] = t, np.asarray(self.ds[name][t].values, dtype=float)
+        return self._frames[name][1]
+
+    def _element(self, name: str, group: Group) -> Callable[[int], Floats]:
+        """(e, ...) element values of a group by index of time."""
+        return self._readers.setdefault(name, Reader(self.ds[name])).of(group.rows)
 
     def effective_stress(self, group: Group) -> EffectiveStress | None:
         """From the material at the integration points; else of the plotfile's element means."""
@@ -76,8 +110,8 @@ class Sources:
                 self.notes.add(
                     what, f"of the plotfile's element mean {name} (no material to recompute it from)"
                 )
-                v = self.ds[name]
-                return lambda s, t: tensors.effective(np.asarray(v[t].values, dtype=float)[group.rows].T)
+                v = self._element(name, group)
+                return lambda s, t: tensors.effective(v(t).T)
         self.notes.add(what, "missing: no model was given and the plotfile has no stress")
         return None
 
@@ -86,9 +120,8 @@ class Sources:
         what = "mass_exchange_rate"
         if "nodal_fluid_flux" in self.ds:
             self.notes.add(what, "nodal fluid flux of the plotfile")
-            v = self.ds["nodal_fluid_flux"]
-            n = group.element.nodes
-            return lambda s, t: np.asarray(v[t].values, dtype=float)[group.rows, :n].transpose(2, 1, 0)
+            v, n = self._element("nodal_fluid_flux", group), group.element.nodes
+            return lambda s, t: v(t)[:, :n].transpose(2, 1, 0)
         law = self._permeability(group)
         if law is not None:
             self.notes.add(
@@ -100,10 +133,8 @@ class Sources:
             return lambda s, t: group.to_nodes(points(s, t))
         if "fluid_flux" in self.ds:
             self.notes.add(what, "the plotfile's element mean fluid flux, constant in each element")
-            f, n = self.ds["fluid_flux"], group.element.nodes
-            return lambda s, t: np.repeat(
-                np.asarray(f[t].values, dtype=float)[group.rows].T[:, None], n, axis=1
-            )
+            f, n = self._element("fluid_flux", group), group.element.nodes
+            return lambda s, t: np.repeat(f(t).T[:, None], n, axis=1)
         self.notes.add(
             what, "missing: no fluid flux in the plotfile, no pressure with a model to get it from"
         )
@@ -118,8 +149,8 @@ class Sources:
             return lambda s, t: group.mean(points(s, t))
         if "fluid_flux" in self.ds:
             self.notes.add("fluid_flux", "fluid flux of the plotfile")
-            f = self.ds["fluid_flux"]
-            return lambda s, t: np.asarray(f[t].values, dtype=float)[group.rows].T
+            f = self._element("fluid_flux", group)
+            return lambda s, t: f(t).T
         return None
 
     def _stress(self, group: Group) -> materials.Stress | None:
@@ -147,5 +178,5 @@ class Sources:
 
     def _flux(self, group: Group, law: materials.Permeability) -> Callable[[State, int], Floats]:
         """(3, g, e) Darcy flux at the points."""
-        p, times = self.ds["effective_fluid_pressure"], np.asarray(self.ds["time"].values, dtype=float)
-        return lambda s, t: darcy(group, s, np.asarray(p[t].values, dtype=float), law, times[t])
+        times = np.asarray(self.ds["time"].values, dtype=float)
+        return lambda s, t: darcy(group, s, self._nodal("effective_fluid_pressure", t), law, times[t])

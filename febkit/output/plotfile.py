@@ -74,7 +74,11 @@ class PlotListener(Listener):
             return {0: np.asarray(fields.NODAL[name](run)[: len(self.mesh.X)], np.float32)}
         out: dict[int, Any] = {}
         nodal = fields.DOMAIN_NODAL.get(name)
-        for k, (group, domain) in enumerate(zip(run.groups, self.mesh.domains)):
+        groups = {g.block.name: g for g in run.groups}
+        for k, (part, domain) in enumerate(zip(self.model.domains, self.mesh.domains, strict=True)):
+            group = groups.get(part.block)
+            if group is None:  # a rigid part deforms nowhere
+                continue
             if nodal is not None:
                 if nodal[1](group):
                     out[k + 1] = nodal[0](run)[domain.nodes()].astype(np.float32)

@@ -56,6 +56,9 @@ class FrameArray(BackendArray):
         when, inner = key[0], key[1:]
         whole = all(isinstance(k, slice) and k == slice(None) for k in inner)
         if isinstance(when, (int, np.integer)):
+            some = self._rows(int(when), inner)
+            if some is not None:
+                return some
             frame = self.frames.frame(int(when))
             return np.array(frame if whole else frame[_outer(inner, frame.shape)], self.dtype)
         times = np.arange(self.shape[0])[when]
@@ -68,6 +71,16 @@ class FrameArray(BackendArray):
         if not len(times):
             return np.empty((0, *np.empty(self.shape[1:], np.bool_)[pick].shape), self.dtype)
         return np.stack([self.frames.frame(int(t))[pick] for t in times]).astype(self.dtype, copy=False)
+
+
+    def _rows(self, t: int, inner: tuple[Any, ...]) -> np.ndarray | None:
+        """Items picked by an array, of one state, without the rest of it; None for other keys."""
+        pick, rows = getattr(self.frames, "rows", None), inner[0] if inner else None
+        if pick is None or not isinstance(rows, np.ndarray):
+            return None
+        if any(not isinstance(k, slice) or k != slice(None) for k in inner[1:]):
+            return None
+        return np.asarray(pick(t, np.arange(self.shape[1])[rows]), self.dtype)
 
 
 def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:

@@ -154,6 +154,23 @@ class Field:
         self.fill(t, out)
         return out
 
+    def rows(self, t: int, rows: np.ndarray) -> np.ndarray:
+        """Items ``rows`` of the array of one state; of element and facet data nothing else is read."""
+        if self._merged or self.variable.section in ("node", "global"):
+            return np.asarray(self.frame(t)[rows])
+        out, inner = np.full((len(rows), *self.shape[1:]), np.nan, np.float32), self.shape[1:]
+        for region, values in self.file.regions(self.index, int(self.states[t])):
+            place, n, local = self.place(region)
+            assert isinstance(place, slice)
+            mine = np.flatnonzero((rows >= place.start) & (rows < place.stop))
+            if local:
+                block = self._mult(values, region, n, local)
+                block = block.reshape(n, block.shape[1], *inner[1:])
+                out[mine, : block.shape[1]] = block[rows[mine] - place.start]
+            else:
+                out[mine] = self._sized(values, region, n).reshape(n, *inner)[rows[mine] - place.start]
+        return out
+
     def fill(self, t: int, out: np.ndarray) -> None:
         """Write the array of one state into ``out``."""
         found = list(self.file.regions(self.index, int(self.states[t])))

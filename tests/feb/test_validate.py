@@ -75,7 +75,7 @@ def test_a_material_that_formulas_read_needs_no_domain(tmp_path):
 
 def test_what_febkit_cannot_solve_is_said_with_its_line(tmp_path):
     found = [f for f in validate(V4, solvable=True) if f.severity == "unsupported"]
-    assert any("rigid" in f.message for f in found) and all(f.where.line > 0 for f in found)
+    assert any("sliding-node-on-facet" in f.message for f in found) and all(f.where.line > 0 for f in found)
 
 
 def test_unreadable_files_give_one_error(tmp_path):
