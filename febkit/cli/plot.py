@@ -144,7 +144,7 @@ def section(
 @click.option("-t", "--time", type=float, help="Time [default: the last].")
 @click.option("--plane", metavar="AXIS=AT", help='Cut the body open: "x=0" [default: the whole body].')
 @click.option("--arrows", metavar="VECTOR", help='Vector drawn as arrows: "fluid flux".')
-@click.option("-p", "--part", "parts", multiple=True, help="Parts shown [default: all].")
+@click.option("-p", "--part", "parts", multiple=True, help='Parts shown; globs work: "cell*" [default: all].')
 @click.option("-m", "--model", type=_FILES, help="Model of the run [default: .feb beside RESULTS].")
 @click.option("--limits", type=float, nargs=2, help="Ends of the colours [default: 1 % and 99 % quantiles].")
 @click.option("--no-edges", is_flag=True, help="Leave out the edges of the elements.")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from febkit.metrics.fields import FIELDS, element_fields
-from febkit.metrics.selection import part_rows
+from febkit.metrics.selection import select_cells
 from febkit.metrics.summary import scalar_of
 from febkit.model import InputError
 
@@ -78,6 +78,7 @@ def scene(
     time       the last by default
     plane      a plane of the reference configuration that cuts the body open, in its deformed place: the
                half behind it is shown. The whole body by default
+    parts      parts or element sets shown, globs too
     arrows     a vector variable ("fluid flux"): lengths by the root of its size; on a cut, what lies in it
 
     Raises InputError where pyvista is missing or nothing can be rendered here.
@@ -88,7 +89,7 @@ def scene(
     rows = (
         np.arange(ds.sizes["element"])
         if parts is None
-        else np.unique(np.concatenate([part_rows(ds, p) for p in parts]))
+        else np.sort(select_cells(ds, list(parts), split=False).rows)
     )
     body = _grid(pv, ds, at, rows)
     label = _colour(body, ds, variable, at, model)
