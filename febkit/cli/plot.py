@@ -132,6 +132,59 @@ def section(
     )
 
 
+@command.command()
+@click.argument("results", type=_FILES)
+@click.option(
+    "-v",
+    "--variable",
+    default="displacement:magnitude",
+    show_default=True,
+    help='Plot variable or element field: "effective fluid pressure", "stress:xx", "effective_strain".',
+)
+@click.option("-t", "--time", type=float, help="Time [default: the last].")
+@click.option("--plane", metavar="AXIS=AT", help='Cut the body open: "x=0" [default: the whole body].')
+@click.option("--arrows", metavar="VECTOR", help='Vector drawn as arrows: "fluid flux".')
+@click.option("-p", "--part", "parts", multiple=True, help='Parts shown; globs work: "cell*" [default: all].')
+@click.option("-m", "--model", type=_FILES, help="Model of the run [default: .feb beside RESULTS].")
+@click.option("--limits", type=float, nargs=2, help="Ends of the colours [default: 1 % and 99 % quantiles].")
+@click.option("--no-edges", is_flag=True, help="Leave out the edges of the elements.")
+@click.option("--size", type=int, nargs=2, default=(1200, 900), show_default=True, help="Pixels.")
+@_TITLE
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), required=True, help="PNG to write."
+)
+def scene(
+    results: Path,
+    variable: str,
+    time: float | None,
+    plane: str | None,
+    arrows: str | None,
+    parts: tuple[str, ...],
+    model: Path | None,
+    limits: tuple[float, float] | None,
+    no_edges: bool,
+    size: tuple[int, int],
+    title: str,
+    output: Path,
+) -> None:
+    """A variable on the deformed mesh in three dimensions, whole or cut open (needs febkit[scenes]).
+
+    \b
+    febkit plot scene run.xplt -v "effective fluid pressure" --plane x=0 --arrows "fluid flux" -o out.png
+    """
+    from febkit import plots
+
+    from .metrics import opened
+
+    if output.suffix.lower() != ".png":
+        raise click.UsageError("scenes are written as PNG: give -o a name that ends in .png")
+    ds, m = opened(results, model)
+    plots.scene(
+        ds, output, variable, time, plane, parts or None, arrows, m, limits, not no_edges, size, title
+    )
+    click.echo(f"wrote {output}")
+
+
 def _names(files: tuple[Path, ...], labels: tuple[str, ...]) -> list[str]:
     if labels and len(labels) != len(files):
         raise click.UsageError(f"{len(labels)} labels for {len(files)} files")

@@ -118,6 +118,11 @@ def _scalar(ds: xr.Dataset, name: str, word: str, t: int, rows: Ints) -> Floats:
         a = np.where(inside, a[conn], 0).sum(axis=1) / inside.sum(axis=1)
     else:
         raise InputError(f"{name} lives on neither nodes nor elements")
+    return scalar_of(name, word, v, a)
+
+
+def scalar_of(name: str, word: str, v: xr.DataArray, a: Floats) -> Floats:
+    """(e,) of values (e[, component]) of ``v``: the component or scalar that ``word`` names."""
     if a.ndim == 1:
         return a
     return _component(name, word, str(v.dims[-1]), a.T, [str(c) for c in v[v.dims[-1]].values])

@@ -13,6 +13,7 @@ _NAMES = {
     "convergence": "agreement",
     "sections": "section",
     "cut": "section",
+    "scene": "render",
     "save": "canvas",
 }
 __all__ = list(_NAMES)

@@ -1,0 +1,99 @@
+"""Scenes are drawn without a display, show what they should, and say what is wrong."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from febkit.cli.plot import command
+from febkit.model import InputError
+from febkit.plots import render, scene
+
+from .test_figures import block
+
+
+@pytest.fixture
+def pv():
+    return pytest.importorskip("pyvista", reason="scenes need pyvista")
+
+
+def pixels(path):
+    from matplotlib.image import imread
+
+    return imread(path)[..., :3]
+
+
+def colourful(path) -> float:
+    """Share of pixels that are neither black, grey nor white: those of the colour map."""
+    return float((np.ptp(pixels(path), axis=-1) > 0.15).mean())
+
+
+def sheared():
+    ds = block()
+    ds["pressure"] = (("time", "node"), np.stack([0 * ds["X"].values[:, 2], ds["X"].values[:, 2]]))
+    return ds
+
+
+@pytest.mark.parametrize("plane", [None, "x=0.5", "y=0.3", "z=1"])
+def test_a_scene_is_no_blank_picture(pv, tmp_path, plane):
+    scene(sheared(), tmp_path / "s.png", "pressure", 1.0, plane, size=(400, 300))
+    assert pixels(tmp_path / "s.png").shape == (300, 400, 3)
+    assert 0.1 < colourful(tmp_path / "s.png") < 0.9
+
+
+def test_arrows_are_seen(pv, tmp_path):
+    for name, arrows in (("without", None), ("with", "fluid flux")):
+        scene(sheared(), tmp_path / f"{name}.png", "pressure", 1.0, "y=0.5", None, arrows, size=(400, 300))
+    a, b = (pixels(tmp_path / f"{name}.png") for name in ("without", "with"))
+    changed = (np.abs(a - b).max(axis=-1) > 0.2).mean()
+    assert 0.005 < changed < 0.3
+
+
+def test_the_cut_lies_in_the_deformed_material_plane(pv):
+    body = render._grid(pv, sheared(), 1, np.arange(64))
+    _, face = render._opened(body, render.Plane("x", 0.5))
+    # X = 0.5 and x = X + 0.2 Z, z = 0.9 Z
+    assert np.allclose(face.points[:, 0], 0.5 + 0.2 * face.points[:, 2] / 0.9, atol=1e-5)
+    assert face.n_cells == 16
+    # where element faces lie in the plane, the elements of the half that is kept are cut
+    assert set(face.cell_data["part"]) == {0}
+    assert face.area == pytest.approx(0.9 * np.hypot(1, 0.2 / 0.9), rel=1e-5)
+
+
+def test_parts_are_shown_alone(pv):
+    ds = sheared()
+    body = render._grid(pv, ds, 1, np.flatnonzero(ds["part"].values == 1))
+    assert body.n_cells == 32 and set(body.cell_data["part"]) == {1}
+
+
+def test_what_is_wrong_is_said(pv, tmp_path):
+    out = tmp_path / "s.png"
+    for words, options in (
+        ("misses the body", {"plane": "x=7"}),
+        ("is no plane", {"plane": "w=1"}),
+        ("no state at", {"time": 0.4}),
+        ("the result has no", {"variable": "temperature"}),
+        ("is no vector", {"arrows": "pressure"}),
+    ):
+        with pytest.raises(InputError, match=words):
+            scene(sheared(), out, **{"variable": "pressure", **options})
+    assert not out.exists()
+
+
+def test_a_missing_pyvista_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(InputError, match=r"febkit\[scenes\]"):
+        scene(sheared(), tmp_path / "s.png", "pressure")
+
+
+def test_the_verb_draws_a_plotfile(pv, tmp_path):
+    from febkit.results import write
+
+    write(sheared(), tmp_path / "run.xplt")
+    arguments = ["scene", str(tmp_path / "run.xplt"), "-v", "displacement:x", "--plane", "y=0.5", "--arrows"]
+    done = CliRunner().invoke(command, [*arguments, "fluid flux", "-p", "cell*", "-o", str(tmp_path / "s.png")])
+    assert done.exit_code == 0, done.output
+    assert colourful(tmp_path / "s.png") > 0.05
