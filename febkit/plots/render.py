@@ -196,7 +196,7 @@ def _colour(body: Any, ds: xr.Dataset, variable: str, at: int, model: Model | No
 
 
 def _at_nodes(v: xr.DataArray, body: Any) -> Floats:
-    return np.asarray(v.values, dtype=float)[body.point_data["node"]]
+    return np.asarray(np.asarray(v.values, dtype=float)[body.point_data["node"]])
 
 
 def _by_element(ds: xr.Dataset, v: xr.DataArray, rows: Ints) -> Floats:
