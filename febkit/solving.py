@@ -30,7 +30,7 @@ def solve(
 ) -> Result:
     """Solve ``model``; write a plotfile and a log where paths are given.
 
-    threads: 0 for all processors; linear: "auto", "pardiso", "superlu" or "dense";
+    threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
     factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`).
     accuracy: relative error per step of steps of second order and of their own size, for transient biphasic models;
     0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
@@ -42,6 +42,11 @@ def solve(
     from febkit.solver.run import Options, run
 
     problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy)
+    if linear == "iterative":
+        from febkit.solver.linear import amg
+
+        if not amg.available():
+            raise InputError(amg.MISSING)
     if accuracy:
         from febkit.solver.second_order import refusal
 

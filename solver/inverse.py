@@ -133,8 +133,9 @@ class Inverse:
 
     @property
     def _room(self) -> int:
-        """Two factorisations, as steps alternate between long ones and short ones before must points; one if large."""
-        return 1 if self.ratio >= DEAR else 2
+        """Two factorisations, as steps alternate between long ones and short ones before must points; one if large
+        or where the solver keeps none."""
+        return 1 if self.ratio >= DEAR or "factor_entries" not in self.solver.stats else 2
 
     def close(self) -> None:
         """Free all."""

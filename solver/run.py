@@ -10,7 +10,7 @@ import numpy as np
 
 from .clock import Clock
 from .group import ElementFailure, Group
-from .linear.base import LinearError
+from .linear.base import LinearError, LinearSolver, Stalled
 from .linear.choose import choose
 from .newton import EASY, Counts, Iteration, Newton, NotConverged
 from .problem import TRANSIENT, Problem, Step
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 @dataclass
 class Options:
-    """threads 0: all processors this process may use; linear: auto, pardiso, superlu or dense.
+    """threads 0: all processors this process may use; linear: auto, pardiso, superlu, dense or
+    iterative (:mod:`.linear.iterative`).
 
     factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
     it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
@@ -157,10 +158,10 @@ class Run:
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
         self.system = System(self.problem, step, self.groups, s, self.schedule)
-        reuse, rows = self._reuse(), len(self.system.eqs.rows)
+        reuse = self._reuse()
         newton = Newton(
-            self.system, lambda: choose(self.options.linear, rows, self.team.n, single=reuse), lambda it: self.tell("iteration", it), self.clock, reuse,  # noqa: E501
-        )  # fmt: skip
+            self.system, lambda: self._linear(reuse), lambda it: self.tell("iteration", it), self.clock, reuse
+        )
         self.totals.linear_solver = newton.inverse.solver.name
         for load in step.loads:
             if hasattr(load, "begin"):
@@ -183,6 +184,15 @@ class Run:
         self._save("step")
         return ""
 
+    def _linear(self, single: bool) -> LinearSolver:
+        assert self.system is not None
+        o, rows, known = self.options, len(self.system.eqs.rows), None
+        if o.linear == "iterative":
+            from .storage import layout
+
+            known = layout(self.system)
+        return choose(o.linear, rows, self.team.n, single, known)
+
     def _second_order(self, newton: Newton) -> SecondOrder | None:
         if not self.options.accuracy:
             return None
@@ -197,6 +207,8 @@ class Run:
     def _reuse(self) -> bool:
         """Is a factorisation kept over time steps? See :class:`Options`."""
         assert self.system is not None
+        if self.options.linear == "iterative":
+            return False  # there is no factorisation to keep
         if self.options.factor != "auto":
             return self.options.factor == "reuse"
         pinned = self.step.auto is not None or self.options.accuracy > 0.0
@@ -242,7 +254,7 @@ class Run:
                 if newton.stale:  # once more with a tangent of its own before the step is cut
                     newton.force_reform = True
                     continue
-                fatal = isinstance(e, LinearError) or not step.retry()
+                fatal = _hopeless(e) or not step.retry()
                 self.tell("failed", why, None if fatal else step.dt)
                 if fatal:
                     return f"{why}, at time {t:g}{self._retried(e)}"
@@ -268,7 +280,7 @@ class Run:
     def _retried(self, e: Exception) -> str:
         """What a final failure adds: the retries that were made."""
         step = self.stepper
-        if isinstance(e, LinearError) or not isinstance(step, AutoSteps) or not step.retries:
+        if _hopeless(e) or not isinstance(step, AutoSteps) or not step.retries:
             return ""
         return f", after {step.retries} retries down to a step of {step.dt:g}"
 
@@ -325,6 +337,11 @@ class Run:
         self.times.append(self.state.time)
         with self.clock("output"):
             self.tell("save", status)
+
+
+def _hopeless(e: Exception) -> bool:
+    """Would a smaller step fail in the same way?"""
+    return isinstance(e, LinearError) and not isinstance(e, Stalled)
 
 
 def run(problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> Result:

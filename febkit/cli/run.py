@@ -16,8 +16,9 @@ import click
 @click.option("-p", "plot", type=click.Path(dir_okay=False), help="Plotfile (default: beside the model).")
 @click.option("-silent", "--silent", is_flag=True, help="Print nothing but errors.")
 @click.option("-t", "--threads", default=0, show_default="all processors", help="Threads to use.")
-@click.option("--linear", default="auto", show_default=True, type=click.Choice(["auto", "pardiso", "superlu", "dense"]),
-              help="Linear solver.")
+@click.option("--linear", default="auto", show_default=True,
+              type=click.Choice(["auto", "pardiso", "superlu", "dense", "iterative"]),
+              help="Linear solver; iterative (needs pyamg) for what does not fit in memory.")
 @click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
               help="Keep factorisations over time steps, or renew them where FEBio does.")
 @click.option("--accuracy", type=click.FloatRange(0.0, 0.1), default=0.0, show_default="the file's steps",

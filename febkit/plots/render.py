@@ -147,7 +147,7 @@ def _clock(ds: xr.Dataset, at: int) -> str:
 
 
 def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:
-    """Reference mesh of these elements with displacements "u", rows "row" and parts "part"."""
+    """Reference mesh of these elements with displacements "u", and its "node", "row" and "part"."""
     from febkit.results.vtk import cells
 
     shown = np.zeros(ds.sizes["element"], dtype=bool)
@@ -161,12 +161,13 @@ def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:
             order.setdefault(VTK[kind], []).append(mine)
     if not blocks:
         raise InputError("there is no element to show")
-    grid = pv.UnstructuredGrid(
-        {k: np.concatenate(c).astype(np.int64) for k, c in blocks.items()},
-        np.asarray(ds["X"].values, dtype=float),
-    )
-    u = ds["displacement"][at].values if "displacement" in ds else np.zeros(ds["X"].shape)
+    joined = {k: np.concatenate(c).astype(np.int64) for k, c in blocks.items()}
+    nodes = np.unique(np.concatenate([c.ravel() for c in joined.values()]))
+    X = np.asarray(ds["X"].values, dtype=float)[nodes]
+    grid = pv.UnstructuredGrid({k: np.searchsorted(nodes, c) for k, c in joined.items()}, X)
+    u = ds["displacement"][at].values[nodes] if "displacement" in ds else np.zeros(X.shape)
     grid.point_data["u"] = np.nan_to_num(np.asarray(u, dtype=float))
+    grid.point_data["node"] = nodes
     grid.cell_data["row"] = np.concatenate([r for rs in order.values() for r in rs])
     grid.cell_data["part"] = np.asarray(ds["part"].values)[grid.cell_data["row"]]
     return grid
@@ -187,11 +188,15 @@ def _colour(body: Any, ds: xr.Dataset, variable: str, at: int, model: Model | No
         elif not word and "xyz" in v.dims:
             word = "magnitude"
         if v.dims[:1] == ("node",):
-            body.point_data["colour"] = scalar_of(name, word, v, np.asarray(v.values, dtype=float))
+            body.point_data["colour"] = scalar_of(name, word, v, _at_nodes(v, body))
         else:
             body.cell_data["colour"] = scalar_of(name, word, v, _by_element(ds, v, body.cell_data["row"]))
     text = f"{name.replace('_', ' ')}{', ' + word if word else ''}"
     return f"{text} ({units})" if units and units != "1" else text
+
+
+def _at_nodes(v: xr.DataArray, body: Any) -> Floats:
+    return np.asarray(np.asarray(v.values, dtype=float)[body.point_data["node"]])
 
 
 def _by_element(ds: xr.Dataset, v: xr.DataArray, rows: Ints) -> Floats:
@@ -223,7 +228,7 @@ def _vector(body: Any, ds: xr.Dataset, name: str, at: int, model: Model | None) 
         vectors = [str(n) for n in ds.data_vars if ds[n].dims[-1] == "xyz"]
         raise InputError(f"{name!r} is no vector of this result; it has {', '.join(vectors) or 'none'}")
     if v.dims[0] == "node":
-        body.point_data["arrow"] = np.asarray(v.values, dtype=float)
+        body.point_data["arrow"] = _at_nodes(v, body)
     else:
         body.cell_data["arrow"] = _by_element(ds, v, body.cell_data["row"])
 
@@ -245,6 +250,8 @@ def _opened(body: Any, cut: Plane | None) -> tuple[Any, Any]:
     origin = np.zeros(3)
     origin[k] = at
     face = body.slice(normal=towards, origin=origin)
+    if not face.n_cells:
+        raise InputError(f"the plane {cut.axis} = {cut.at:g} cuts none of the elements shown")
     half = shell.clip(normal=towards, origin=origin, invert=True)
     return _moved(half) if half.n_cells else _moved(face.copy()), _moved(face)
 
@@ -274,7 +281,7 @@ def _limits(shell: Any, face: Any) -> tuple[float, float]:
 def _paint(plotter: Any, shell: Any, face: Any, label: str, limits: tuple[float, float], edges: bool) -> None:
     bar = {
         "title": "\n".join(wrap(label, 18)) + "\n", "vertical": True, "height": 0.7, "width": 0.05, "position_x": 0.87,
-        "position_y": 0.14, "fmt": "%.3g", "n_labels": 6, "color": "black", "title_font_size": 18,
+        "position_y": 0.14, "fmt": "%.4g", "n_labels": 6, "color": "black", "title_font_size": 18,
         "label_font_size": 16,
     }  # fmt: skip
     style = {

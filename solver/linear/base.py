@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,10 @@ Floats = NDArray[np.float64]
 
 class LinearError(RuntimeError):
     """The factorisation or a solve failed (singular matrix, out of memory)."""
+
+
+class Stalled(LinearError):
+    """An iterative solve did not converge; a smaller time step may."""
 
 
 @dataclass(slots=True)
@@ -27,6 +32,20 @@ class Matrix:
     @property
     def n(self) -> int:
         return len(self.indptr) - 1
+
+
+@dataclass(slots=True)
+class Layout:
+    """What the rows of a tangent stand for.
+
+    X (node, 3); node and column (row,): 0 to 2 displacements, 3 the pressure; storage: sparse matrix over the
+    pressure rows, their mass over the aggregate modulus at the present state.
+    """
+
+    X: Floats
+    node: NDArray[np.int64]
+    column: NDArray[np.int64]
+    storage: Callable[[], Any]
 
 
 class LinearSolver(Protocol):

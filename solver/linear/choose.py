@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from .base import LinearError, LinearSolver
+from .base import Layout, LinearError, LinearSolver
 
 DENSE_LIMIT = 250  # equations below which loading MKL costs more than all dense solves of a run
 PARALLEL = 3000  # equations below which threads cost a factorisation more than they save, most of all on a busy machine
 
 
-def choose(name: str, equations: int, threads: int, single: bool = False) -> LinearSolver:
+def choose(name: str, equations: int, threads: int, single: bool = False, layout: Layout | None = None) -> LinearSolver:
     """``auto``: dense LU up to 250 equations, else MKL PARDISO, else SuperLU. Others force one.
 
     ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
+    ``layout``: what "iterative" builds its blocks from.
     """
+    if name == "iterative" and layout is not None:
+        from .iterative import Iterative
+
+        return Iterative(layout)
     if name == "dense" or (name == "auto" and equations <= DENSE_LIMIT):
         from .dense import Dense
 
@@ -25,4 +30,4 @@ def choose(name: str, equations: int, threads: int, single: bool = False) -> Lin
         from .superlu import SuperLU
 
         return SuperLU()
-    raise LinearError(f"unknown linear solver {name!r}: use auto, pardiso, superlu or dense")
+    raise LinearError(f"unknown linear solver {name!r}: use auto, pardiso, superlu, dense or iterative")

@@ -1,4 +1,5 @@
-"""GMRES with an older factorisation as preconditioner (Saad and Schultz, SIAM J Sci Stat Comput 7, 1986)."""
+"""GMRES with an older factorisation as preconditioner (Saad and Schultz, SIAM J Sci Stat Comput 7, 1986), and its
+flexible variant preconditioned from the right (Saad, SIAM J Sci Comput 14, 1993)."""
 
 from __future__ import annotations
 
@@ -54,3 +55,39 @@ def gmres(
     for v, c in zip(V, best):
         x += c * v
     return x, r, error
+
+
+def fgmres(
+    apply: Callable[[Floats], Floats], b: Floats, precondition: Callable[[Floats], Floats], tolerance: float,
+    restart: int, most: int,
+) -> tuple[Floats, float, int]:  # fmt: skip
+    """Solve A x = b, ``apply`` being x -> A x, with a preconditioner that may change from call to call.
+
+    Returns x, |b - A x| / |b| and the iterations used (``most`` at most); the residual is formed anew at each restart.
+    """
+    x, used, first = np.zeros_like(b), 0, np.sqrt(dot(b, b))
+    r, beta = b, first
+    while beta > tolerance * first and used < most:
+        V, Z = [r / beta], []
+        H, best = np.zeros((restart + 1, restart)), np.zeros(0)
+        for k in range(min(restart, most - used)):
+            Z.append(precondition(V[k]))
+            w, used = apply(Z[k]), used + 1
+            for i in range(k + 1):
+                H[i, k] = dot(V[i], w)
+                w -= H[i, k] * V[i]
+            H[k + 1, k] = np.sqrt(dot(w, w))
+            e = np.zeros(k + 2)
+            e[0] = beta
+            best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
+            error = float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best))
+            if error < 0.9 * tolerance * first or H[k + 1, k] == 0.0:
+                break
+            V.append(w / H[k + 1, k])
+        for z, c in zip(Z, best):
+            x += c * z
+        r = b - apply(x)
+        before, beta = beta, np.sqrt(dot(r, r))
+        if not beta < 0.99 * before:  # it has come to a halt
+            break
+    return x, float(beta / first) if first else 0.0, used

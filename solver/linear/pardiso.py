@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .base import Floats, LinearError, Matrix
 
 _ERRORS = {
-    -1: "inconsistent input", -2: "not enough memory", -3: "reordering failed",
+    -1: "inconsistent input", -2: "not enough memory (try --linear iterative)", -3: "reordering failed",
     -4: "zero pivot: the matrix is singular (a body or node is not held?)", -5: "internal error",
     -6: "preordering failed", -7: "diagonal matrix is singular", -8: "32-bit integer overflow",
     -9: "not enough memory for out-of-core", -10: "cannot open out-of-core files",

@@ -67,6 +67,17 @@ def test_parts_are_shown_alone(pv):
     ds = sheared()
     body = render._grid(pv, ds, 1, np.flatnonzero(ds["part"].values == 1))
     assert body.n_cells == 32 and set(body.cell_data["part"]) == {1}
+    assert body.bounds[0] == 0.5  # nodes of the rest are left out
+    with pytest.raises(InputError, match="misses"):
+        render._opened(body, render.Plane("x", 0.2))
+
+
+def test_a_plane_between_parts_is_refused(pv):
+    ds = sheared()
+    x = ds["X"].values[ds["connectivity"].values].mean(axis=1)[:, 0]
+    apart = render._grid(pv, ds, 1, np.flatnonzero(np.abs(x - 0.5) > 0.3))
+    with pytest.raises(InputError, match="cuts none"):
+        render._opened(apart, render.Plane("x", 0.5))
 
 
 def test_what_is_wrong_is_said(pv, tmp_path):
