@@ -66,7 +66,7 @@ class Group:
         self.s = np.zeros((m, g, 6))
         if block.mixture is not None:
             self.Jp = np.ones((m, g))
-            self.pgp = np.zeros((m, g))
+            self.pgp = _NONE  # pressures at the last converged state, for the projection alone
             self.pg, self.gp, self.w = np.zeros((m, g)), np.zeros((m, g, 3)), np.zeros((m, g, 3))
             self.supply = np.zeros((m, g)) if block.mixture.supply is not None else _NONE
             self.steady_pressure: Floats | None = None  # coefficient of the projection (m,)
@@ -226,6 +226,7 @@ class Group:
         self.block.solid.stress(pts, s, C)
         diagonal = C[:, range(6), range(6)].reshape(self.m, self.g, 6).mean(axis=1)
         shear, aggregate = diagonal[:, 3:].mean(axis=1), diagonal[:, :3].mean(axis=1)
+        self.pgp = np.zeros((self.m, self.g))
         self.steady_pressure = tau * np.maximum(0.5 / shear, 3.0 / aggregate)
 
     # ---- residual ---------------------------------------------------------------------------------
@@ -248,7 +249,8 @@ class Group:
         """The present state becomes the last converged one; memory is made ready for a step."""
         if self.block.mixture is not None:
             self.Jp = self.J.copy()
-            self.pgp = self.pg.copy()
+            if self.steady_pressure is not None:
+                self.pgp = self.pg.copy()
         if self.new.shape[1]:
             self.old[:] = self.new
             pts = self.points()

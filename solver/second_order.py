@@ -62,7 +62,8 @@ class SecondOrder:
         for g in self.groups:  # the second stage starts from a point beyond the first
             beyond = (1.0 - GAMMA) / GAMMA
             g.Jp += beyond * (g.J - g.Jp)
-            g.pgp += beyond * (g.pg - g.pgp)
+            if g.steady_pressure is not None:
+                g.pgp += beyond * (g.pg - g.pgp)
         s.time = start + dt
         second = self.newton.step()
         counts.iterations = max(counts.iterations, second.iterations)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -69,39 +70,57 @@ class Target:
             )  # fmt: skip
 
 
+@dataclass(slots=True)
+class _Laws:
+    """What the laws of a chunk give at its points (s, C, k, dk, supply) and in its elements (bulk)."""
+
+    s: Floats
+    C: Floats
+    k: Floats | None = None
+    dk: Floats | None = None
+    supply: tuple[Floats, Floats, Floats] | None = None
+    bulk: Floats | None = None
+
+    def part(self, elements: slice, points: slice) -> _Laws:
+        """Those of some of its elements."""
+        k, dk, supply, bulk = self.k, self.dk, self.supply, self.bulk
+        return _Laws(
+            self.s[points], self.C[points], None if k is None else k[points], None if dk is None else dk[points],
+            None if supply is None else (supply[0][points], supply[1][points], supply[2][points]),
+            None if bulk is None else bulk[elements].copy(),
+        )  # fmt: skip
+
+
 def add_chunk(g: Group, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
     """Add the tangents of a chunk's elements to ``target``."""
     q = (c.hi - c.lo) * g.g
-    s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
-    pts = c.points
+    laws = _Laws(work.zeros("s", q, 6), work.zeros("C", q, 6, 6))
+    pts, mix = c.points, g.block.mixture
     pts.t, pts.dt = state.time, state.dt
     if g.block.formulation == "three-field":
-        _three_field(g, c, s, C)
+        _three_field(g, c, laws.s, laws.C)
+        laws.bulk = g.dilatation_modulus(c)
     else:
-        g.block.solid.stress(pts, s, C)
-    k = dk = None
-    if g.block.mixture is not None:
-        k, dk = g.permeability(c, tangent=True)
-    per = 8 * 3 * g.g * 7 * g.n  # bytes of the factors of an element
-    size = max(8, CACHE // per)
+        g.block.solid.stress(pts, laws.s, laws.C)
+    if mix is not None:
+        laws.k, laws.dk = g.permeability(c, tangent=True)
+        laws.supply = g.supply_tangent(c) if mix.supply is not None else None
+    size = max(8, CACHE // (8 * 3 * g.g * 7 * g.n))
     for lo in range(c.lo, c.hi, size):
         hi = min(lo + size, c.hi)
-        some = slice((lo - c.lo) * g.g, (hi - c.lo) * g.g)
-        _add(g, lo, hi, c, some, s, C, k, dk, state, target, work, steady)
+        part = laws.part(slice(lo - c.lo, hi - c.lo), slice((lo - c.lo) * g.g, (hi - c.lo) * g.g))
+        _add(g, lo, hi, part, state.dt, target, work, steady)
 
 
 def _add(
-    g: Group, lo: int, hi: int, c: Chunk, some: slice, s: Floats, C: Floats, k: Floats | None, dk: Floats | None,
-    state: State, target: Target, work: Workspace, steady: bool,
+    g: Group, lo: int, hi: int, laws: _Laws, dt: float, target: Target, work: Workspace, steady: bool
 ) -> None:  # fmt: skip
-    mix, n, nd = g.block.mixture, hi - lo, g.n * g.columns
+    fluid, n, nd = laws.k is not None, hi - lo, g.n * g.columns
     geometry = (g.dN, g.iJ0, g.wJ0, g.F, g.J)
-    s, C, k = s[some], C[some], None if k is None else k[some]
-    three = g.block.formulation == "three-field"
-    stab = g.steady_pressure if mix is not None and not steady else None
-    extra = dk is not None or three or (mix is not None and (steady or mix.supply is not None))
+    stab = g.steady_pressure if fluid and not steady else None
+    extra = laws.dk is not None or laws.bulk is not None or laws.supply is not None or (fluid and steady)
     if g.block.solid.symmetric:
-        B, U = _blocks(g, lo, hi, s, C, k, state.dt, work)
+        B, U = _blocks(g, lo, hi, laws.s, laws.C, laws.k, dt, work)
         if stab is not None:
             projection.tangent(lo, hi, g.N, g.wJ0, stab, B, 6 * g.n, 0)
         if target.pat.symmetric and not extra:
@@ -111,20 +130,19 @@ def _add(
         blocks.expand(n, B, U, steady, K)
     else:
         K = work.take("K", n, nd, nd)
-        se, Ce = s.reshape(-1, g.g, 6), C.reshape(-1, g.g, 6, 6)
-        if k is None:
+        se, Ce = laws.s.reshape(-1, g.g, 6), laws.C.reshape(-1, g.g, 6, 6)
+        if laws.k is None:
             solid.stiffness(lo, hi, *geometry, se, Ce, K)
         else:
-            biphasic.stiffness(lo, hi, g.N, *geometry, se, Ce, g.pg, k, state.dt, steady, K)
+            biphasic.stiffness(lo, hi, g.N, *geometry, se, Ce, g.pg, laws.k, dt, steady, K)
             if stab is not None:
                 projection.tangent(lo, hi, g.N, g.wJ0, stab, K, 3 * g.n, 3 * g.n)
-    if dk is not None:
-        biphasic.permeability_coupling(lo, hi, *geometry, g.gp, dk[some], state.dt, K)
-    if mix is not None and mix.supply is not None:
-        rate, dE, dp = g.supply_tangent(c)
-        biphasic.supply_coupling(lo, hi, g.N, *geometry, rate[some], dE[some], dp[some], state.dt, K)
-    if three:
-        three_field.dilatation(lo, hi, *geometry, g.dilatation_modulus(c)[lo - c.lo : hi - c.lo].copy(), K)
+    if laws.dk is not None:
+        biphasic.permeability_coupling(lo, hi, *geometry, g.gp, laws.dk, dt, K)
+    if laws.supply is not None:
+        biphasic.supply_coupling(lo, hi, g.N, *geometry, *laws.supply, dt, K)
+    if laws.bulk is not None:
+        three_field.dilatation(lo, hi, *geometry, laws.bulk, K)
     target.add(g, lo, hi, K)
 
 

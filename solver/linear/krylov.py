@@ -37,24 +37,29 @@ def gmres(
         return r, r, 0.1 * tolerance
     V = [r / beta]
     H = np.zeros((most + 1, most))
-    best, error = np.zeros(0), 1.0
+    best, error = np.zeros(0), beta
     for k in range(most):
         w = precondition(matvec(A, V[k])) if k else (r - precondition(left)) / beta
-        for i in range(k + 1):
-            H[i, k] = dot(V[i], w)
-            w -= H[i, k] * V[i]
-        H[k + 1, k] = np.sqrt(dot(w, w))
-        e = np.zeros(k + 2)
-        e[0] = beta
-        best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
-        error = float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best)) / beta
-        if error < tolerance or H[k + 1, k] == 0.0:
+        best, error = _extend(V, H, w, k, beta)
+        if error < tolerance * beta or H[k + 1, k] == 0.0:
             break
         V.append(w / H[k + 1, k])
     x = np.zeros_like(b)
     for v, c in zip(V, best):
         x += c * v
-    return x, r, error
+    return x, r, error / beta
+
+
+def _extend(V: list[Floats], H: Floats, w: Floats, k: int, beta: float) -> tuple[Floats, float]:
+    """Make w orthogonal to V and enter it as column k of H; least-squares coefficients, and the residual they leave."""
+    for i in range(k + 1):
+        H[i, k] = dot(V[i], w)
+        w -= H[i, k] * V[i]
+    H[k + 1, k] = np.sqrt(dot(w, w))
+    e = np.zeros(k + 2)
+    e[0] = beta
+    best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
+    return best, float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best))
 
 
 def fgmres(
@@ -73,14 +78,7 @@ def fgmres(
         for k in range(min(restart, most - used)):
             Z.append(precondition(V[k]))
             w, used = apply(Z[k]), used + 1
-            for i in range(k + 1):
-                H[i, k] = dot(V[i], w)
-                w -= H[i, k] * V[i]
-            H[k + 1, k] = np.sqrt(dot(w, w))
-            e = np.zeros(k + 2)
-            e[0] = beta
-            best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
-            error = float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best))
+            best, error = _extend(V, H, w, k, beta)
             if error < 0.9 * tolerance * first or H[k + 1, k] == 0.0:
                 break
             V.append(w / H[k + 1, k])
