@@ -24,6 +24,7 @@ def solve(
     factor: str = "auto",
     accuracy: float = 0.0,
     stabilise: float = 0.0,
+    memory: float = 0.0,
     progress: bool = False,
     listeners: Sequence[Listener] = (),
     warn: Callable[[str], None] | None = None,
@@ -31,7 +32,8 @@ def solve(
     """Solve ``model``; write a plotfile and a log where paths are given.
 
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
-    factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`).
+    factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`). memory: GB that a factorisation may
+    take before "auto" turns to the iterative solver; 0 for what the machine has left.
     accuracy: relative error per step of steps of second order and of their own size, for transient biphasic models;
     0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
     mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
@@ -41,7 +43,7 @@ def solve(
     from febkit.lower import lower
     from febkit.solver.run import Options, run
 
-    problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy)
+    problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)
     if linear == "iterative":
         from febkit.solver.linear import amg
 

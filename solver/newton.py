@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import guarded
 from .clock import Clock
 from .group import NegativeJacobian
 from .inverse import Inverse
@@ -59,7 +60,7 @@ class Counts:
 
 
 @dataclass(slots=True)
-class _Norms:
+class Norms:
     energy0: float = 0.0
     energy_max: float = 0.0
     residual0: float = 0.0
@@ -89,7 +90,9 @@ class Newton:
         self._calm = 0  # steps since one that was hard
         self._left = np.inf  # last increment over the one allowed
         self._renewed = False  # the present step began with an old factorisation, and made one of its own
+        self._last: Floats | None = None  # increment of the last step (rows)
         self.force_reform = True
+        self.guarded = False  # the present step is solved by guarded Newton steps (:mod:`.guarded`)
         eqs = system.eqs
         self.rows, self.given = eqs.rows, eqs.given
         self.is_p = np.flatnonzero(eqs.column == P)
@@ -122,7 +125,7 @@ class Newton:
         return Fd
 
     def _invert(self, A: Matrix) -> None:
-        if self.count.reforms >= self.options.max_reforms:
+        if self.count.reforms >= self.options.max_reforms and not self.guarded:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
         dt = self.system.state.dt
         if A.n and not (self.reuse and self.inverse.approach(A, dt)):
@@ -147,7 +150,7 @@ class Newton:
         kept = None if self.force_reform or self._calm < CALM else self.inverse.near(dt)
         if kept is not None:
             u, z = R0.copy(), R0.copy()
-            first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows])
+            first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows], self._last)
             if first is not None:
                 self._stale, self.qn = True, self._anderson
                 self.qn.reset()
@@ -238,10 +241,11 @@ class Newton:
         self.count, self._renewed, self._left = Counts(), False, np.inf
         made = self.inverse.made
         try:
-            self._solve_step()
+            guarded.solve(self) if self.guarded else self._solve_step()
         finally:
             self.count.factorisations = self.inverse.made - made
         self.total = self.total + self.increment
+        self._last = self.increment[self.rows] if self.reuse else None
         self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
         return self.count
 
@@ -257,30 +261,19 @@ class Newton:
         self.qn.begin()
         R0, u = self._start(du)
         self.force_reform = False
-        norms = _Norms()
+        norms = Norms()
         while not self._iterate(R0, norms, u):
             R0, u = self._next_R0, None
 
-    def _iterate(self, R0: Floats, m: _Norms, u: Floats | None = None) -> bool:
+    def _iterate(self, R0: Floats, m: Norms, u: Floats | None = None) -> bool:
         o, k = self.options, self.count
         if u is None:
             u = self.qn.solve(R0)
         if not np.isfinite(u).all():
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s, R1 = self._line_search(u, R0)
-        if k.iterations == 0:
-            m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
-            m.energy_max = m.energy0
-            m.u0, m.p0 = dot(u[self.is_u], u[self.is_u]), dot(u[self.is_p], u[self.is_p])
-        self.increment = self.increment + s * u
-        report, converged = self._test(u, s, R1, m)
-        energy = report["energy"].now
-        self.watch(Iteration(
-            self.system.state.time, k.iterations + 1, self.qn.count, k.residuals, k.reforms, s, report
-        ))  # fmt: skip
-        r1 = report["residual"].now
-        if not converged and r1 < o.min_residual:
-            converged = True
+        report, converged = self.judge(u, s, R0, R1, m)
+        energy, r1 = report["energy"].now, report["residual"].now
         if not converged and 0 < o.max_residual <= r1:
             raise NotConverged(f"the residual {r1:g} is above max_residual = {o.max_residual:g}")
         if converged:
@@ -297,7 +290,23 @@ class Newton:
         k.iterations += 1
         return False
 
-    def _test(self, u: Floats, s: float, R1: Floats, m: _Norms) -> tuple[dict[str, Norm], bool]:
+    def judge(
+        self, u: Floats, s: float, R0: Floats, R1: Floats, m: Norms
+    ) -> tuple[dict[str, Norm], bool]:
+        """Take the step s u from residual R0 to R1; report its norms, and whether they are small enough."""
+        k = self.count
+        if k.iterations == 0:
+            m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
+            m.energy_max = m.energy0
+            m.u0, m.p0 = dot(u[self.is_u], u[self.is_u]), dot(u[self.is_p], u[self.is_p])
+        self.increment = self.increment + s * u
+        report, converged = self._test(u, s, R1, m)
+        self.watch(Iteration(
+            self.system.state.time, k.iterations + 1, self.qn.count, k.residuals, k.reforms, s, report
+        ))  # fmt: skip
+        return report, converged or report["residual"].now < self.options.min_residual
+
+    def _test(self, u: Floats, s: float, R1: Floats, m: Norms) -> tuple[dict[str, Norm], bool]:
         o, U = self.options, self.increment
         fields = [("displacement", self.is_u, o.dtol, m.u0)]
         if self.biphasic:

@@ -16,6 +16,7 @@ class Totals:
     residuals: int = 0
     reforms: int = 0
     retries: int = 0
+    guarded: int = 0  # steps solved by guarded Newton steps, beyond FEBio's retries
     seconds: dict[str, float] = field(default_factory=dict)
     linear_solver: str = ""
     factor: dict[str, float] = field(default_factory=dict)

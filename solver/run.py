@@ -10,7 +10,7 @@ import numpy as np
 
 from .clock import Clock
 from .group import ElementFailure, Group
-from .linear.base import LinearError, LinearSolver, Stalled
+from .linear.base import Direct, LinearError, LinearSolver, Stalled
 from .linear.choose import choose
 from .newton import EASY, Counts, Iteration, Newton, NotConverged
 from .problem import TRANSIENT, Problem, Step
@@ -24,7 +24,7 @@ from .system import System
 from .threads import Team
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 @dataclass
@@ -32,6 +32,7 @@ class Options:
     """threads 0: all processors this process may use; linear: auto, pardiso, superlu, dense or
     iterative (:mod:`.linear.iterative`).
 
+    memory: GB that a factorisation may take before "auto" turns to iterative; 0, what the machine has left.
     factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
     it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
     (so that no saved time hangs on iteration counts).
@@ -45,9 +46,11 @@ class Options:
     factor: str = "auto"
     stabilise: float = 0.0
     accuracy: float = 0.0
+    memory: float = 0.0
 
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
+LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
 
 class Listener:
@@ -158,10 +161,11 @@ class Run:
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
         self.system = System(self.problem, step, self.groups, s, self.schedule)
-        reuse = self._reuse()
-        newton = Newton(
-            self.system, lambda: self._linear(reuse), lambda it: self.tell("iteration", it), self.clock, reuse
-        )
+        try:
+            make, reuse = self._linear()
+        except LinearError as e:
+            return str(e)
+        newton = Newton(self.system, make, lambda it: self.tell("iteration", it), self.clock, reuse)
         self.totals.linear_solver = newton.inverse.solver.name
         for load in step.loads:
             if hasattr(load, "begin"):
@@ -184,14 +188,45 @@ class Run:
         self._save("step")
         return ""
 
-    def _linear(self, single: bool) -> LinearSolver:
+    def _linear(self) -> tuple[Callable[[], LinearSolver], bool]:
+        """What makes linear solvers, and whether factorisations are kept; "auto" tries whether one fits in memory."""
         assert self.system is not None
-        o, rows, known = self.options, len(self.system.eqs.rows), None
-        if o.linear == "iterative":
+        name, reuse = self.options.linear, self._reuse()
+        first = self._solver(name, reuse)
+        tried = len(self.system.eqs.rows) >= LARGE or self.options.memory > 0.0
+        if name == "auto" and tried and isinstance(first, Direct):
+            left, need = self._room(), first.memory(self.system.matrix)
+            if need > left:
+                first.close()
+                name, reuse, first = "iterative", False, self._in_its_place(need, left)
+        spare = [first]
+        return lambda: spare.pop() if spare else self._solver(name, reuse), reuse
+
+    def _room(self) -> float:
+        """Bytes that a factorisation may take."""
+        if self.options.memory:
+            return self.options.memory * 1e9
+        from .linear.memory import SHARE, available
+
+        return SHARE * available()
+
+    def _solver(self, name: str, single: bool) -> LinearSolver:
+        assert self.system is not None
+        known = None
+        if name == "iterative":
             from .storage import layout
 
             known = layout(self.system)
-        return choose(o.linear, rows, self.team.n, single, known)
+        return choose(name, len(self.system.eqs.rows), self.team.n, single, known)
+
+    def _in_its_place(self, need: float, left: float) -> LinearSolver:
+        try:
+            return self._solver("iterative", False)
+        except LinearError as e:
+            raise LinearError(
+                f"a factorisation takes {need / 1e9:.1f} GB of memory and {left / 1e9:.1f} GB are left; without it "
+                f"{e}; --linear pardiso tries all the same"
+            ) from None
 
     def _second_order(self, newton: Newton) -> SecondOrder | None:
         if not self.options.accuracy:
@@ -254,12 +289,12 @@ class Run:
                 if newton.stale:  # once more with a tangent of its own before the step is cut
                     newton.force_reform = True
                     continue
-                fatal = _hopeless(e) or not step.retry()
-                self.tell("failed", why, None if fatal else step.dt)
+                fatal = _hopeless(e) or not self._again(newton, e)
+                how = "; again by guarded Newton steps" if newton.guarded and not fatal else ""
+                self.tell("failed", why + how, None if fatal else step.dt)
                 if fatal:
                     return f"{why}, at time {t:g}{self._retried(e)}"
                 self.totals.retries += 1
-                newton.force_reform = True
                 continue
             self._add(counts)
             if not good:
@@ -269,6 +304,8 @@ class Run:
                 continue
             self.count += 1
             self.totals.steps += 1
+            self.totals.guarded += newton.guarded
+            newton.guarded = False
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
@@ -276,6 +313,23 @@ class Run:
             if step.vanishing and step.end > s.time:
                 return f"the time step has shrunk to {step.dt:g}, at time {s.time:g}"
             return ""
+
+    def _again(self, newton: Newton, e: Exception) -> bool:
+        """Make ready for another try at the present step; False where there is none.
+
+        FEBio's way is a smaller step, until its retries are spent. Where elements turned inside out then, the step
+        is tried by guarded Newton steps, as is every later one that fails, before it is halved.
+        """
+        step = self.stepper
+        assert step is not None
+        newton.force_reform = True
+        if step.beyond and not newton.guarded:
+            newton.guarded = True
+            return True
+        if step.retry():
+            return True
+        newton.guarded = isinstance(e, ElementFailure) and step.persist()
+        return newton.guarded
 
     def _retried(self, e: Exception) -> str:
         """What a final failure adds: the retries that were made."""

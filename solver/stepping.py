@@ -6,6 +6,7 @@ from math import sqrt
 
 from .problem import AutoStep, Step
 
+HALVINGS = 8  # of a step that goes beyond FEBio's retries
 SMALLEST = 1e-12  # step over end time, as for the distance of must points
 
 
@@ -14,6 +15,8 @@ class FixedSteps:
 
     def __init__(self, step: Step, start: float) -> None:
         self.dt = step.dt
+        self.retries = 0
+        self.beyond = False  # past what FEBio would do
         self.end = start + (step.dt * step.count if step.duration is None else step.duration)
         self.at_must_point = False
 
@@ -26,6 +29,13 @@ class FixedSteps:
     def retry(self) -> bool:
         """Make the step smaller; False where it may not be."""
         return False
+
+    def persist(self) -> bool:
+        """FEBio would end here: go on with the present size, halved where it fails; False where that was tried."""
+        if self.beyond:
+            return False
+        self.beyond, self.retries = True, 0
+        return True
 
     @property
     def vanishing(self) -> bool:
@@ -46,7 +56,6 @@ class AutoSteps(FixedSteps):
         super().__init__(step, start)
         self.auto = auto
         self._base = step.dt  # size before must points cut it
-        self.retries = 0
         self._cut = 0.0
         self._next = -1
         self._offset = 0.0
@@ -113,11 +122,11 @@ class AutoSteps(FixedSteps):
 
     def retry(self) -> bool:
         a = self.auto
-        if self.retries >= a.max_retries:
+        if self.retries >= (HALVINGS if self.beyond else a.max_retries):
             return False
         if self.retries == 0:
             self._cut = self.dt / (a.max_retries + 1)
-        self.dt = self.dt * a.cutback if a.aggressive else self.dt - self._cut
+        self.dt = 0.5 * self.dt if self.beyond else self.dt * a.cutback if a.aggressive else self.dt - self._cut
         self.retries += 1
         if self._must >= 0:
             self._next -= 1

@@ -98,6 +98,12 @@ class System:
             self._matrix = self._pattern.matrix()
         return self._pattern
 
+    @property
+    def matrix(self) -> Matrix:
+        """The matrix that tangents are assembled into."""
+        _ = self.pattern
+        return self._matrix
+
     # ---- values -----------------------------------------------------------------------------------
     def targets(self, t: float) -> Floats:
         """Values (node, column) that prescribed unknowns take at time t; NaN elsewhere."""
@@ -194,8 +200,7 @@ class System:
     # ---- tangent ----------------------------------------------------------------------------------
     def tangent(self, step: Floats) -> tuple[Matrix, Floats]:
         """The tangent, and minus its prescribed columns times the increments ``step`` (equations)."""
-        pat = self.pattern
-        A, Fd = self._matrix, np.zeros(self.eqs.n)
+        pat, A, Fd = self.pattern, self.matrix, np.zeros(self.eqs.n)
         A.data[:] = 0.0
         target = Target(pat, A.data, step)
 

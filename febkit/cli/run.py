@@ -18,7 +18,9 @@ import click
 @click.option("-t", "--threads", default=0, show_default="all processors", help="Threads to use.")
 @click.option("--linear", default="auto", show_default=True,
               type=click.Choice(["auto", "pardiso", "superlu", "dense", "iterative"]),
-              help="Linear solver; iterative (needs pyamg) for what does not fit in memory.")
+              help="Linear solver; auto takes iterative (needs pyamg) where a factorisation does not fit in memory.")
+@click.option("--memory", type=click.FloatRange(0.0), default=0.0, show_default="what is left", metavar="GB",
+              help="What a factorisation may take before auto turns to iterative.")
 @click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
               help="Keep factorisations over time steps, or renew them where FEBio does.")
 @click.option("--accuracy", type=click.FloatRange(0.0, 0.1), default=0.0, show_default="the file's steps",
@@ -27,7 +29,7 @@ import click
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: str | None, plot: str | None, silent: bool, threads: int,
-    linear: str, factor: str, accuracy: float, stabilise: bool, verbose: bool,
+    linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -53,8 +55,9 @@ def command(
 
     said: list[str] = []
     result = solve(
-        m, plot_path, log_path, threads, linear, factor, accuracy, float(stabilise), not silent, warn=said.append
-    )
+        m, plot_path, log_path, threads, linear, factor, accuracy, float(stabilise), memory, not silent,
+        warn=said.append,
+    )  # fmt: skip
     if not silent:
         _report(result, plot_path, log_path, said, verbose)
     if not result.converged:
@@ -78,6 +81,8 @@ def _report(result: object, plot: Path, log: Path, said: list[str], verbose: boo
         f"[bold]{word}[/] to t = {s.time:g} in {t.seconds['total']:.2f} s: {t.steps} steps, {t.iterations} iterations, "
         f"{t.reforms} factorisations ({t.linear_solver}), {t.retries} retries"
     )
+    if t.guarded:
+        out.print(f"  {t.guarded} steps by guarded Newton steps, where the retries of the file were spent")
     out.print(f"  largest displacement {np.linalg.norm(s.u, axis=1).max():.6g}")
     if s.p is not None:
         out.print(f"  fluid pressure {s.p.min():.6g} to {s.p.max():.6g}")

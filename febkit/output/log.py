@@ -83,7 +83,10 @@ class LogListener(Listener):
         w(f"\tTotal number of equilibrium iterations ............ : {t.iterations}\n")
         w(f"\tTotal number of right hand evaluations ............ : {t.residuals}\n")
         w(f"\tTotal number of stiffness reformations ............ : {t.reforms}\n")
-        w(f"\tTotal number of retries ........................... : {t.retries}\n\n")
+        w(f"\tTotal number of retries ........................... : {t.retries}\n")
+        if t.guarded:
+            w(f"\tSteps by guarded Newton steps, beyond these ....... : {t.guarded}\n")
+        w("\n")
         for name, value in t.factor.items():
             w(f"\tlinear solver {name.replace('_', ' ')}: {value:g}\n")
         w("\n T I M I N G S\n\n")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .base import Floats, LinearError
 
 COARSEST = 50  # nodes whose unknowns are inverted densely
-MISSING = "--linear iterative needs pyamg: pip install 'febkit[amg]'"
+MISSING = "the iterative linear solver needs pyamg: pip install 'febkit[amg]'"
 
 
 def available() -> bool:

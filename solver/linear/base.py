@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,3 +59,10 @@ class LinearSolver(Protocol):
     def solve(self, b: Floats) -> Floats: ...
 
     def close(self) -> None: ...
+
+
+@runtime_checkable
+class Direct(LinearSolver, Protocol):
+    """A solver that knows before it factorises how many bytes that will take."""
+
+    def memory(self, A: Matrix) -> float: ...

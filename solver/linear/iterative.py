@@ -21,6 +21,7 @@ TOLERANCE = 1e-6  # of a solve, in units in which the preconditioner's diagonal 
 USABLE = 1e-3  # a residual from which Newton's iteration goes on where TOLERANCE was not reached
 RESTART, MOST = 60, 300
 STRENGTH = 0.0  # couplings weaker than this (of the diagonal) do not form aggregates
+SETUP = 30  # iterations that take as long as setting up the elastic hierarchy
 PRESSURE = 3  # column of the pressure
 
 
@@ -46,15 +47,23 @@ class Iterative:
         self._A: Matrix | None = None
         self._elastic: Multigrid | None = None
         self._fluid: Multigrid | None = None
+        self._fresh = 0  # iterations of the first solve over the present elastic hierarchy
+        self._wasted = 0  # iterations that solves over it have taken beyond as many
 
     # ---- preconditioner ---------------------------------------------------------------------------
     def factor(self, A: Matrix) -> None:
-        """Make the preconditioner of A, which is kept until the next call."""
-        self.close()
+        """Make the preconditioner of A, which is kept until the next call.
+
+        The elastic hierarchy of an earlier tangent serves on until the iterations it has cost come to a set-up.
+        """
+        self._fluid = self._A = None
         M = _full(A)
         K, d = M[self._u][:, self._u], np.ones(A.n)
         d[self._u] = np.abs(K.diagonal())
-        self._elastic = self._multigrid(K) if len(self._u) else None
+        if len(self._u) and (self._elastic is None or self._wasted >= SETUP):
+            self._elastic, self._fresh, self._wasted = None, 0, 0
+            self._elastic = self._multigrid(K)
+            self.stats["set_ups"] = self.stats.get("set_ups", 0.0) + 1
         entries = self._elastic.entries if self._elastic else 0
         if len(self._p):
             self._C = M[self._u][:, self._p].tocsr()
@@ -64,7 +73,7 @@ class Iterative:
             entries += self._fluid.entries + self._C.nnz
         self._scale = 1.0 / np.sqrt(np.where(d > 0, d, 1.0))
         self._A = A
-        done = {name: self.stats.get(name, 0.0) for name in ("solves", "iterations")}
+        done = {name: self.stats.get(name, 0.0) for name in ("solves", "iterations", "set_ups")}
         self.stats = {"equations": A.n, "entries": len(A.data), "preconditioner_kB": entries * 12 / 1024, **done}
 
     def _multigrid(self, K: Any) -> Multigrid:
@@ -102,7 +111,10 @@ class Iterative:
         )
         self.stats["solves"] += 1
         self.stats["iterations"] += used
+        self._fresh = self._fresh or used
+        self._wasted += max(0, used - self._fresh)
         if not error < USABLE:
+            self._wasted = SETUP
             raise Stalled(
                 f"the iterative solver stalled: relative residual {error:.2g} after {used} iterations "
                 "(a body that is not held, or nearly incompressible? try --linear pardiso)"

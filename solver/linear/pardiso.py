@@ -92,7 +92,7 @@ class Pardiso:
         ip[0] = 1  # own settings below
         ip[1] = 3 if A.n > 20000 else 2  # nested dissection (parallel for large graphs)
         ip[7] = 0  # no iterative refinement: Newton corrects
-        ip[9] = 8 if A.symmetric else 13  # pivots below 1e-8 |A| (1e-13) are perturbed
+        ip[9] = 13  # pivots below 1e-13 |A| are perturbed: those of small elements are 1e-8 |A| and sound
         ip[10] = 0 if A.symmetric else 1  # scaling
         ip[12] = 0 if A.symmetric else 1  # matching: quasi-definite matrices need none
         ip[17] = -1  # report factor entries
@@ -101,22 +101,43 @@ class Pardiso:
         ip[27] = int(self.single)
         ip[34] = 1  # 0-based
 
-    def factor(self, A: Matrix) -> None:
-        """Factorise; the analysis is reused while the pattern arrays stay the same objects."""
+    def memory(self, A: Matrix) -> float:
+        """Bytes that a factorisation of A's pattern takes, by its analysis.
+
+        LDL^T keeps the analysis for the factorisation; that of LU hangs on values and is made anew with them.
+        """
+        if A.symmetric:
+            self._analyse(A)
+        else:
+            rows = np.repeat(np.arange(A.n, dtype=np.int32), np.diff(A.indptr))
+            self._analyse(Matrix(A.indptr, A.indices, (A.indices == rows).astype(float), False))
+        need = 1024.0 * max(float(self._iparm[14]), float(self._iparm[15]) + float(self._iparm[16]))
+        if not A.symmetric:
+            self.close()
+        return need
+
+    def _analyse(self, A: Matrix) -> None:
+        """Order the unknowns, once as long as the pattern arrays stay the same objects."""
         key = (id(A.indptr), id(A.indices), A.symmetric)
-        fresh = key != self._key
-        if fresh:
+        if key != self._key:
             self.close()
             self._A, self._key = A, key
             self._setup(A)
+            self._phase(11, A)
+
+    def _phase(self, phase: int, A: Matrix) -> None:
         self._A = A
         self._data = A.data.astype(np.float32) if self.single else A.data
         z = np.zeros(1, self._data.dtype)
-        for phase in (11, 22) if fresh else (22,):
-            err = self._call(phase, z, z)
-            if err:
-                self._key = None
-                raise LinearError(f"MKL PARDISO: {_ERRORS.get(err, f'error {err}')}")
+        err = self._call(phase, z, z)
+        if err:
+            self._key = None
+            raise LinearError(f"MKL PARDISO: {_ERRORS.get(err, f'error {err}')}")
+
+    def factor(self, A: Matrix) -> None:
+        """Factorise; the analysis is reused while the pattern arrays stay the same objects."""
+        self._analyse(A)
+        self._phase(22, A)
         self.stats = {
             "equations": A.n, "entries": len(A.data), "factor_entries": float(self._iparm[17]),
             "factor_kB": float(max(self._iparm[14], self._iparm[15] + self._iparm[16])),

@@ -199,3 +199,39 @@ def test_without_pyamg(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_out_of_memory_says_what_to_try() -> None:
     assert "--linear iterative" in pardiso._ERRORS[-2]
+
+
+def test_auto_does_without_a_factorisation_that_does_not_fit() -> None:
+    """PARDISO's analysis says what a factor takes; with less at hand the answer is the same, found without one."""
+    if pardiso.library() is None:
+        pytest.skip("MKL is not installed")
+    whole = run(cube(6), (), Options(threads=1))
+    need = pardiso.Pardiso(1).memory(system(cube(6), 0.05)[1])
+    assert 1e5 < need < 1e8
+    roomy = run(cube(6), (), Options(threads=1, memory=1.2 * need / 1e9))
+    tight = run(cube(6), (), Options(threads=1, memory=0.8 * need / 1e9))
+    assert (roomy.totals.linear_solver, tight.totals.linear_solver) == ("MKL PARDISO", "FGMRES over multigrid (pyamg)")
+    np.testing.assert_allclose(tight.state.d, whole.state.d, atol=1e-6)
+
+
+def test_what_does_not_fit_and_cannot_be_done_without_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    if pardiso.library() is None:
+        pytest.skip("MKL is not installed")
+    monkeypatch.setattr(amg, "available", lambda: False)
+    r = run(cube(4), (), Options(threads=1, memory=1e-6))
+    assert not r.converged and "GB of memory" in r.reason and "pip install 'febkit[amg]'" in r.reason
+
+
+def test_the_elastic_hierarchy_is_kept() -> None:
+    """Two tangents of neighbouring states need one set-up, and as many iterations."""
+    problem = cube(6)
+    s, A, b = system(problem, 0.05)
+    solver = Iterative(layout(s))
+    solver.factor(A)
+    x = solver.solve(b)
+    first = solver.stats["iterations"]
+    later = Matrix(A.indptr, A.indices, A.data * 1.05, A.symmetric)
+    solver.factor(later)
+    assert np.linalg.norm(solver.solve(1.05 * b) - x) < 1e-5 * np.linalg.norm(x)
+    assert solver.stats["set_ups"] == 1
+    assert solver.stats["iterations"] - first <= first + 3
