@@ -168,7 +168,7 @@ class Newton:
 
     def _move(self, u: Floats) -> None:
         with self.clock("stress update"):
-            self.system.set(self.total + self.increment + u, self.target)
+            self.system.set(self.total, self.increment, u, self.target)
 
     def close(self) -> None:
         """Free all factorisations."""
@@ -272,7 +272,7 @@ class Newton:
             m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
             m.energy_max = m.energy0
             m.u0, m.p0 = dot(u[self.is_u], u[self.is_u]), dot(u[self.is_p], u[self.is_p])
-        self.increment = self.increment + s * u
+        self.increment = self.system.compose(self.increment, s * u)
         report, converged = self._test(u, s, R1, m)
         energy = report["energy"].now
         self.watch(Iteration(

@@ -26,6 +26,10 @@ from .threads import Team
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
+    from .rigid.bodies import Bodies
+
 
 @dataclass
 class Options:
@@ -83,6 +87,7 @@ class Run:
         self.times: list[float] = []
         self.index = 0
         self.system: System | None = None
+        self.bodies: Bodies | None = None
         self.stepper: FixedSteps | None = None
         self.integrator: SecondOrder | None = None
         self._saved_at = -1
@@ -126,6 +131,10 @@ class Run:
             for g in self.groups:
                 if g.block.mixture is not None:
                     g.stabilise(self.options.stabilise)
+        if self.problem.bodies:
+            from .rigid.bodies import Bodies
+
+            self.bodies = Bodies(self.problem, self.state)
         self._initial(self.problem.common)
         self.tell("start")
         if len(self.problem.steps) == 1:
@@ -139,6 +148,8 @@ class Run:
                 s.velocity[c.nodes, c.column] = v
             else:
                 s.d[c.nodes, c.column] = v
+        if self.bodies is not None:
+            self.bodies.start(s)
 
     def _first_state(self) -> None:
         step = self.problem.steps[0]
@@ -157,7 +168,7 @@ class Run:
         self._initial(step)
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
-        self.system = System(self.problem, step, self.groups, s, self.schedule)
+        self.system = System(self.problem, step, self.groups, s, self.schedule, self.bodies)
         reuse = self._reuse()
         newton = Newton(
             self.system, lambda: self._linear(reuse), lambda it: self.tell("iteration", it), self.clock, reuse
@@ -226,12 +237,35 @@ class Run:
         for load in [*system.loads]:
             load.residual(self.state, f)
         for load in system.body_loads:
-            load.residual(self.state, self.groups, f)
+            load.residual(self.state, system.carriers, f)
+        if system.bodies is not None:
+            self._initial_acceleration_with_bodies(f)
+            return
         free = system.eqs.kind[:, :3] == 0
         if not np.any(f[:, :3][free]):
             return
         a = system.mass.solve(f[:, :3], free)
         self.state.acceleration[free] = a[free]
+
+    def _initial_acceleration_with_bodies(self, f: NDArray[np.float64]) -> None:
+        """As above, nodes and rigid bodies together."""
+        system, s = self.system, self.state
+        assert system is not None and system.bodies is not None
+        bodies, s.dt = system.bodies, self.step.dt
+        bodies.inertia_forces(s, f, system.alpham)
+        bodies.gather(s, f, system.alphaf)
+        rows, R = system.eqs.rows, system.gather(f)
+        if not len(rows) or not np.any(R[rows]):
+            return
+        solver = self._linear(False)
+        solver.factor(system.mass_matrix())
+        a = np.zeros(system.eqs.n)
+        a[rows] = solver.solve(R[rows])
+        solver.close()
+        full = np.zeros_like(s.d)
+        system.spread(a, full)
+        s.acceleration[:] = full[:, :3]
+        s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
@@ -309,6 +343,8 @@ class Run:
         for load in [*system.loads, *system.body_loads]:
             if hasattr(load, "begin_step"):
                 load.begin_step(s)
+        if self.bodies is not None:
+            self.bodies.begin_step(s, system)
         for g in self.groups:
             g.begin_step(s)
 

@@ -47,19 +47,19 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     domains = {d.block: d for d in model.domains if d.kind == "shell"}
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
+    bodies = rigid.make(ctx)
     common = Step()
     _fill(ctx, common, model.common)
     steps = [_step(ctx, s) for s in model.steps]
-    for s in steps:  # bodies take their nodes from every other condition
-        s.conditions += rigid.conditions(ctx)
+    rigid.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
-    if not blocks and not ctx.refused:
+    if not blocks and not bodies and not ctx.refused:
         raise InputError("the model has no solid domain", None)
     if ctx.refused:
         return None, ctx.refused
-    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids), []
+    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies), []
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
@@ -95,6 +95,7 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
+    rigid.fill(ctx, out, spec)
 
 
 __all__ = ["lower", "unsupported"]

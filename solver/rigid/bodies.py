@@ -1,0 +1,224 @@
+"""Rigid bodies at work: how they move, what they carry, their inertia.
+
+A. Motion: x = r + Q (X - r0), Q the body's rotation; increments of rotation are composed, not added. Forces on
+carried nodes act on the body as their sum and the sum of z x f, z = x - r. Angular velocity and acceleration follow
+the Newmark rule in Cayley vectors. FEBio theory manual, "Rigid bodies" and "Dynamics of rigid bodies".
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels import rigid as kernels
+from ..pattern import GIVEN
+from . import rotation
+from .body import RigidBody
+
+if TYPE_CHECKING:
+    from ..linear.base import Matrix
+    from ..pattern import Equations
+    from ..problem import Attached, Problem
+    from ..state import State
+    from ..system import System
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def row(body: int, nodes: int) -> int:
+    """First of the two rows of a body where there are so many nodes."""
+    return nodes + 2 * body
+
+
+class Bodies:
+    """All rigid bodies of a problem; ``rows`` (body,) are their first rows."""
+
+    def __init__(self, problem: Problem, state: State) -> None:
+        self.bodies: list[RigidBody] = problem.bodies
+        n, k = len(problem.X), len(self.bodies)
+        self.rows = n + 2 * np.arange(k)
+        self.parts = [p for b in self.bodies for p in b.parts]
+        self.mass = np.array([b.mass for b in self.bodies])
+        self.inertia = np.array([b.inertia for b in self.bodies])
+        self._own = [(i, b.nodes) for i, b in enumerate(self.bodies)]
+        state.extra["q"] = np.tile(rotation.IDENTITY, (k, 1))
+        # angular momentum and its rate
+        state.extra["h"], state.extra["dh"] = np.zeros((k, 3)), np.zeros((k, 3))
+        self.start(state)
+        for name in ("q", "h", "dh"):
+            state.extra[f"{name}_old"] = state.extra[name].copy()
+        # sums of forces and moments that carried nodes hand on (body, 6)
+        state.extra["reaction"] = np.zeros((k, 6))
+
+    def start(self, s: State) -> None:
+        """Angular momentum of the angular velocities given."""
+        s.extra["h"] = np.einsum("bij,bj->bi", self._spatial(s), s.velocity[self.rows + 1])
+        s.extra["h_old"] = s.extra["h"].copy()
+
+    def _spatial(self, s: State) -> Floats:
+        """Inertia about the centres in the present orientation (body, 3, 3)."""
+        Q = np.array([rotation.matrix(q) for q in s.extra["q"]]).reshape(-1, 3, 3)
+        return np.asarray(Q @ self.inertia @ np.swapaxes(Q, 1, 2))
+
+    # ---- what they carry --------------------------------------------------------------------------
+    def attach(self, s: State, attached: list[Attached]) -> None:
+        """Take the nodes of the bodies' parts and ``attached`` ones, where they are now."""
+        self.owner = np.full(len(s.X), -1, np.int32)
+        for i, nodes in [*self._own, *((a.body, a.nodes) for a in attached)]:
+            self.owner[nodes] = self.rows[i]
+        self.nodes = np.flatnonzero(self.owner >= 0)
+        self._at = self.owner[self.nodes]
+        self._body = (self._at - self.rows[0]) // 2
+        x, z = s.x, np.zeros((len(self.nodes), 3))
+        for i, b in enumerate(self.bodies):
+            own = self._body == i
+            z[own] = (x[self.nodes[own]] - b.centre - s.d[self.rows[i], :3]) @ rotation.matrix(s.extra["q"][i])
+        self._arm = z
+        self.zu = self.zf = np.zeros(s.X.shape)
+
+    def cliques(self, conns: list[Ints]) -> list[Ints]:
+        """The bodies' own rows, and for rows of node lists that touch bodies their nodes with the bodies'."""
+        out = [np.stack([self.rows, self.rows + 1], axis=1)]
+        for conn in conns:
+            conn = np.asarray(conn)
+            own = np.where(conn >= 0, self.owner[conn], -1)
+            touched = (own >= 0).any(axis=1)
+            if not touched.any():
+                continue
+            own = -np.sort(-own[touched], axis=1)
+            own[:, 1:][own[:, 1:] == own[:, :-1]] = -1
+            own = -np.sort(-own, axis=1)
+            own = own[:, : int((own >= 0).sum(axis=1).max())]
+            out.append(np.hstack([conn[touched], own, np.where(own >= 0, own + 1, -1)]))
+        return [np.asarray(c, np.int32) for c in out]
+
+    def carried(self, conn: NDArray[np.int32]) -> Ints:
+        """Rows of a node list with a carried node."""
+        return np.flatnonzero((self.owner[conn] >= 0).any(axis=1))
+
+    # ---- motion -----------------------------------------------------------------------------------
+    def move(self, s: State, eqs: Equations, increment: Floats, u: Floats) -> None:
+        """Rotate by the increment so far and then ``u`` (equations), or as prescribed; move the nodes along."""
+        q = s.extra["q"]
+        for i, r in enumerate(self.rows + 1):
+            given = eqs.kind[r, :3] == GIVEN
+            if given.any():
+                q[i] = rotation.of_vector(np.where(given, s.d[r, :3], 0.0))
+                s.d[r, :3] = np.where(given, s.d[r, :3], 0.0)
+                continue
+            a, b = self._turn(eqs, increment, r), self._turn(eqs, u, r)
+            if a is not None and b is not None:
+                turn = rotation.product(rotation.of_cayley(b), rotation.of_cayley(a))
+                q[i] = rotation.unit(rotation.product(turn, s.extra["q_old"][i]))
+                s.d[r, :3] = rotation.vector(q[i])
+        self._carry(s)
+
+    @staticmethod
+    def _turn(eqs: Equations, vector: Floats, row: int) -> Floats | None:
+        """Entries of an equation vector at a row of rotations; None where all are held."""
+        e = eqs.eq[row, :3]
+        return np.where(e >= 0, vector[e], 0.0) if (e >= 0).any() else None
+
+    def _carry(self, s: State) -> None:
+        Q = np.array([rotation.matrix(q) for q in s.extra["q"]])
+        centre = s.X[self._at] + s.d[self._at, :3]
+        s.d[self.nodes, :3] = centre + np.einsum("nij,nj->ni", Q[self._body], self._arm) - s.X[self.nodes]
+
+    def compose(self, eqs: Equations, total: Floats, a: Floats, b: Floats) -> Floats:
+        """``total`` = a + b with the rotations composed, b after a."""
+        for r in self.rows + 1:
+            p, q = self._turn(eqs, a, r), self._turn(eqs, b, r)
+            if p is not None and q is not None:
+                e = eqs.eq[r, :3]
+                both = rotation.product(rotation.of_cayley(q), rotation.of_cayley(p))
+                total[e[e >= 0]] = rotation.cayley(both)[e >= 0]
+        return total
+
+    # ---- rates ------------------------------------------------------------------------------------
+    def begin_step(self, s: State, system: System) -> None:
+        """The present state becomes the last converged one; rates are predicted for no further motion."""
+        for name in ("q", "h", "dh"):
+            s.extra[f"{name}_old"] = s.extra[name].copy()
+        self.rates(s, system)
+
+    def rates(self, s: State, system: System) -> None:
+        """Velocities and accelerations at the present position by the Newmark rule."""
+        dt, beta, gamma = s.dt, system.beta, system.gamma
+        if dt <= 0:
+            return
+        t, r, a, c = self.rows, self.rows + 1, 1.0 / (beta * dt), 1.0 - 0.5 / beta
+        v, w, at, al = s.velocity_old[t], s.velocity_old[r], s.acceleration_old[t], s.acceleration_old[r]
+        s.acceleration[t] = (s.d[t, :3] - s.d_old[t, :3]) * (a / dt) - v * a + at * c
+        s.velocity[t] = v + dt * ((1 - gamma) * at + gamma * s.acceleration[t])
+        for i in range(len(r)):
+            turn = self._turned(s, i)
+            Q, theta = rotation.matrix(turn), rotation.cayley(turn)
+            s.velocity[r[i]] = Q @ (theta * (a * gamma) - w[i] + (w[i] + 0.5 * dt * al[i]) * (2 - gamma / beta))
+            s.acceleration[r[i]] = Q @ (theta * (a / dt) - w[i] * a + al[i] * c)
+
+    @staticmethod
+    def _turned(s: State, i: int) -> Floats:
+        """Rotation of body i since the last converged state."""
+        return rotation.unit(rotation.product(s.extra["q"][i], rotation.conjugate(s.extra["q_old"][i])))
+
+    # ---- forces -----------------------------------------------------------------------------------
+    def _arms(self, s: State, alpha: float) -> Floats:
+        """x - r of carried nodes at a time between the last step (alpha 0) and the present (alpha 1)."""
+        d = s.d[:, :3] if alpha == 1.0 else alpha * s.d[:, :3] + (1 - alpha) * s.d_old[:, :3]
+        z: Floats = s.X[self.nodes] + d[self.nodes] - s.X[self._at] - d[self._at]
+        return z
+
+    def gather(self, s: State, R: Floats, alpha: float) -> None:
+        """Hand the forces R (node, column) on carried nodes on to the bodies."""
+        f = R[self.nodes, :3]
+        both = np.hstack([f, np.cross(self._arms(s, alpha), f)])
+        total = np.zeros((len(self.rows), 6))
+        np.add.at(total, self._body, both)
+        s.extra["reaction"] = -total
+        R[self.rows, :3] += total[:, :3]
+        R[self.rows + 1, :3] += total[:, 3:]
+
+    def inertia_forces(self, s: State, R: Floats, alpham: float) -> None:
+        """R -= m a and the rate of angular momentum w x J w + J w'."""
+        a = alpham * s.acceleration[self.rows] + (1 - alpham) * s.acceleration_old[self.rows]
+        R[self.rows, :3] -= self.mass[:, None] * a
+        J, w, al = self._spatial(s), s.velocity[self.rows + 1], s.acceleration[self.rows + 1]
+        h = s.extra["h"] = np.einsum("bij,bj->bi", J, w)
+        dh = s.extra["dh"] = np.cross(w, h) + np.einsum("bij,bj->bi", J, al)
+        R[self.rows + 1, :3] -= alpham * dh + (1 - alpham) * s.extra["dh_old"]
+
+    # ---- tangent ----------------------------------------------------------------------------------
+    def aim(self, s: State, alpha: float) -> None:
+        """Take the arms of the present state for :meth:`scatter`."""
+        self.zu[self.nodes] = self._arms(s, 1.0)
+        self.zf = self.zu
+        if alpha != 1.0:
+            self.zf = np.zeros_like(self.zu)
+            self.zf[self.nodes] = self._arms(s, alpha)
+
+    def scatter(self, eqs: Equations, A: Matrix, K: Floats, nodes: Any, columns: Any, step: Floats, Fd: Floats) -> None:
+        """Add what matrices K (m, d, d) of unknowns (nodes (m, d), columns (d,)) add at the bodies' unknowns."""
+        kernels.scatter(
+            np.ascontiguousarray(K), np.ascontiguousarray(nodes, np.int32), np.ascontiguousarray(columns, np.int32),
+            self.owner, eqs.eq, self.zf, self.zu, eqs.free, A.indptr, A.indices, A.data, step, Fd, A.symmetric,
+        )  # fmt: skip
+
+    def inertia_tangent(self, s: State, system: System) -> list[tuple[Floats, Ints, Ints]]:
+        """Minus the derivative of the inertia forces, as triples (K, nodes, columns); of t = 0, see below."""
+        dt, beta, gamma, alpham = s.dt, system.beta, system.gamma, system.alpham
+        a = alpham / (beta * dt * dt)
+        if s.time == 0.0:  # FEBio's mass matrix for the accelerations at the start; its rotations keep their scale
+            a = alpham = 1.0
+        K, J, I = np.zeros((len(self.rows), 6, 6)), self._spatial(s), np.eye(3)
+        for i, r in enumerate(self.rows + 1):
+            K[i, :3, :3] = self.mass[i] * a * I
+            theta = rotation.cayley(self._turned(s, i))
+            T = I + 0.5 * rotation.skew(theta) + 0.25 * np.outer(theta, theta)
+            w, h, dh = s.velocity[r], s.extra["h"][i], s.extra["dh"][i]
+            rate = (gamma * rotation.skew(w) + I / dt) @ J[i] - gamma * rotation.skew(h)
+            K[i, 3:, 3:] = alpham * (rate @ T / (beta * dt) - rotation.skew(dh))
+        nodes = np.stack([self.rows] * 3 + [self.rows + 1] * 3, axis=1)
+        return [(K, nodes, np.tile(np.arange(3), 2))]
