@@ -97,7 +97,7 @@ class Newton:
         self.biphasic = bool(len(self.is_p)) or system.problem.biphasic
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
-        self.augments = any(g.block.augment is not None for g in system.groups)
+        self.augments = system.links is not None or any(g.block.augment is not None for g in system.groups)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -343,10 +343,12 @@ class Newton:
 
     def _augment(self) -> bool:
         k = self.count
-        done = [g.augment(k.augmentations) for g in self.system.groups]
+        done = [g.augment(k.augmentations)[0] for g in self.system.groups]
+        if self.system.links is not None:
+            done.append(self.system.links.augment(k.augmentations))
         k.augmentations += 1
         k.reforms = 0
-        if all(c for c, *_ in done):
+        if all(done):
             return True
         self.system.update()
         self._next_R0 = self._residual()

@@ -13,6 +13,7 @@ from .values import Constant, Value
 
 if TYPE_CHECKING:
     from .rigid.body import RigidBody
+    from .rigid.connectors import Connector
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -182,6 +183,7 @@ class Step:
     loads: list[Any] = field(default_factory=list)
     body_loads: list[Any] = field(default_factory=list)
     attached: list[Attached] = field(default_factory=list)
+    connectors: list[Connector] = field(default_factory=list)
 
 
 @dataclass(eq=False)

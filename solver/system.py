@@ -19,6 +19,7 @@ from .tangent import Target, Workspace, add_chunk
 
 if TYPE_CHECKING:
     from .rigid.bodies import Bodies
+    from .rigid.connectors import Connectors
 
 Floats = NDArray[np.float64]
 
@@ -41,6 +42,7 @@ class System:
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
+        self.links = self._links()
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -51,7 +53,20 @@ class System:
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
+        for load in self.loads:
+            if hasattr(load, "alpha"):
+                load.alpha = self.alphaf
         self._mass: Mass | None = None
+
+    def _links(self) -> Connectors | None:
+        """The connectors of the step, which are among its loads."""
+        c = self.bodies.connectors if self.bodies is not None else None
+        active = [*self.problem.common.connectors, *self.step.connectors]
+        if c is None or not active:
+            return None
+        c.take(active, self)
+        self.loads.append(c)
+        return c
 
     def _active(self) -> NDArray[np.bool_]:
         active = np.zeros(self.state.d.shape, bool)

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from febkit.model import Component, InputError
 from febkit.model import Step as ModelStep
 from febkit.model.sets import node_indices
-from febkit.solver import elements
+from febkit.solver import elements, loads
 from febkit.solver.problem import Attached, Block, Fixed, Initial, Prescribed, Step
 from febkit.solver.values import Constant, Value
 
 from . import shells
 from .context import Context
+from .loads import vector
 
 if TYPE_CHECKING:
     from febkit.solver.rigid.body import RigidBody
@@ -91,6 +92,7 @@ def make(ctx: Context) -> list[RigidBody]:
             back = ctx.back[np.unique(mesh.conn)]
             extra.append(back[back >= 0])
         out.append(RigidBody(body.spec.name or "", parts, _centre(body.spec), extra))
+    ctx.centres = [b.centre for b in out]
     return out
 
 
@@ -124,7 +126,11 @@ def fill(ctx: Context, out: Step, spec: ModelStep) -> None:
             out.attached.append(_attached(ctx, c))
     for c in spec.rigid:
         reader = READERS.get((c.tag, c.type or ""))
-        if reader is None:
+        if c.tag == "rigid_connector":
+            from . import connectors
+
+            connectors.read(ctx, out, c)
+        elif reader is None:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
         else:
             reader(ctx, out, c)
@@ -211,12 +217,54 @@ def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
                 break
 
 
+def _load(ctx: Context, c: Component, known: set[str], **fields: Any) -> Any:
+    ctx.check_tags(c, {"rb", *known})
+    index = body(ctx, c)
+    return loads.load(c.type or "")(index, len(ctx.X) + 2 * index, **fields)
+
+
+def _force(ctx: Context, out: Step, c: Component) -> None:
+    """A force along, or a moment about, an axis; FEBio's TARGET, from the reaction, is not there."""
+    table = {"rigid_force": {k: v for k, v in SHIFT.items() if k in DOFS}, "rigid_moment": TURN}[c.type or ""]
+    dof = c.need("dof").text.strip()
+    if dof not in table:
+        raise InputError(f"<dof> must be one of {', '.join(table)}, not {dof!r}", c.where)
+    kind = c.str("load_type", "LOAD").strip().upper() or "LOAD"
+    kind = {"0": "LOAD", "1": "FOLLOW", "2": "TARGET"}.get(kind, kind)
+    if kind == "TARGET" or (kind == "FOLLOW" and c.type == "rigid_moment"):
+        ctx.refuse(f'<load_type>{kind}</load_type> of <{c.tag} type="{c.type}">', c.need("load_type").where)
+        return
+    if c.bool("relative"):
+        ctx.refuse(f'<relative> of <{c.tag} type="{c.type}">', c.need("relative").where)
+    fields = {"axis": table[dof] % 3, "value": ctx.value(c.child("value"), 0.0)}
+    if c.type == "rigid_force":
+        fields["follow"] = kind == "FOLLOW"
+    out.loads.append(_load(ctx, c, {"dof", "value", "load_type", "relative"}, **fields))
+
+
+def _follower_force(ctx: Context, out: Step, c: Component) -> None:
+    load = _load(ctx, c, {"insertion", "force", "relative"}, given=vector(ctx, c.need("force")))
+    leaf = c.child("insertion")
+    load.arm = np.array(leaf.as_floats(3)) if leaf is not None else np.zeros(3)
+    if not c.bool("relative"):
+        load.arm -= ctx.centres[load.body]
+    out.loads.append(load)
+
+
+def _follower_moment(ctx: Context, out: Step, c: Component) -> None:
+    out.loads.append(_load(ctx, c, {"moment"}, given=vector(ctx, c.need("moment"))))
+
+
 READERS: dict[tuple[str, str], Callable[[Context, Step, Component], Any]] = {
     ("rigid_bc", "rigid_fixed"): _fixed,
     ("rigid_bc", "rigid_displacement"): _given(SHIFT),
     ("rigid_bc", "rigid_rotation"): _given(TURN),
     ("rigid_bc", "rigid_rotation_vector"): _rotation_vector,
     ("rigid_bc", "rigid_euler_angles"): _euler,
+    ("rigid_load", "rigid_force"): _force,
+    ("rigid_load", "rigid_moment"): _force,
+    ("rigid_load", "rigid_follower_force"): _follower_force,
+    ("rigid_load", "rigid_follower_moment"): _follower_moment,
     ("rigid_ic", "initial_rigid_velocity"): _velocity(0),
     ("rigid_ic", "initial_rigid_angular_velocity"): _velocity(1),
 }

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..problem import Attached, Problem
     from ..state import State
     from ..system import System
+    from .connectors import Connectors
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -50,6 +51,13 @@ class Bodies:
         self.start(state)
         for name in ("q", "h", "dh"):
             state.extra[f"{name}_old"] = state.extra[name].copy()
+        steps = [problem.common, *problem.steps]
+        records = [c for step in steps for c in step.connectors]
+        self.connectors: Connectors | None = None
+        if records:
+            from .connectors import Connectors
+
+            self.connectors = Connectors(records, state)
         # sums of forces and moments that carried nodes hand on (body, 6)
         state.extra["reaction"] = np.zeros((k, 6))
 
@@ -57,6 +65,8 @@ class Bodies:
         """Angular momentum of the angular velocities given."""
         s.extra["h"] = np.einsum("bij,bj->bi", self._spatial(s), s.velocity[self.rows + 1])
         s.extra["h_old"] = s.extra["h"].copy()
+        for rows in (self.rows, self.rows + 1):
+            s.velocity_old[rows] = s.velocity[rows]
 
     def _spatial(self, s: State) -> Floats:
         """Inertia about the centres in the present orientation (body, 3, 3)."""
