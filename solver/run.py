@@ -234,6 +234,8 @@ class Run:
         if self.state.time != 0.0:
             return
         f = np.zeros_like(self.state.d)
+        if system.bodies is not None:
+            self.state.dt = self.step.dt  # their rates are functions of it
         for load in [*system.loads]:
             load.residual(self.state, f)
         for load in system.body_loads:
@@ -251,7 +253,7 @@ class Run:
         """As above, nodes and rigid bodies together."""
         system, s = self.system, self.state
         assert system is not None and system.bodies is not None
-        bodies, s.dt = system.bodies, self.step.dt
+        bodies = system.bodies
         bodies.inertia_forces(s, f, system.alpham)
         bodies.gather(s, f, system.alphaf)
         rows, R = system.eqs.rows, system.gather(f)

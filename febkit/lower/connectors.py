@@ -76,7 +76,7 @@ def read(ctx: Context, out: Step, c: Component) -> None:
 def _joint(ctx: Context, c: Component, cls: Any, kw: dict[str, Any]) -> set[str]:
     """Fields that joints have in common; returns their tags."""
     known = {*SIZES, "joint_origin", "minaug", "maxaug", "auto_penalty", "laugon", *filter(None, cls.AXES)}
-    sizes = SIZES
+    sizes: tuple[str, ...] = SIZES
     if cls in (joints.Revolute, joints.Prismatic):
         sizes += DAMPING
     kw |= {tag: c.float(tag) for tag in sizes if c.child(tag) is not None}

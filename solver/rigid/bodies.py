@@ -89,11 +89,10 @@ class Bodies:
         self._arm = z
         self.zu = self.zf = np.zeros(s.X.shape)
 
-    def cliques(self, conns: list[Ints]) -> list[Ints]:
+    def cliques(self, conns: list[NDArray[np.int32]]) -> list[NDArray[np.int32]]:
         """The bodies' own rows, and for rows of node lists that touch bodies their nodes with the bodies'."""
         out = [np.stack([self.rows, self.rows + 1], axis=1)]
         for conn in conns:
-            conn = np.asarray(conn)
             own = np.where(conn >= 0, self.owner[conn], -1)
             touched = (own >= 0).any(axis=1)
             if not touched.any():
@@ -127,7 +126,7 @@ class Bodies:
         self._carry(s)
 
     @staticmethod
-    def _turn(eqs: Equations, vector: Floats, row: int) -> Floats | None:
+    def _turn(eqs: Equations, vector: Floats, row: np.integer) -> Floats | None:
         """Entries of an equation vector at a row of rotations; None where all are held."""
         e = eqs.eq[row, :3]
         return np.where(e >= 0, vector[e], 0.0) if (e >= 0).any() else None

@@ -56,8 +56,8 @@ def constant(v: Floats) -> Jet:
 
 
 def cross(a: Jet, b: Jet) -> Jet:
-    A = rotation.skew(a.v)  # type: ignore[arg-type]
-    return Jet(A @ b.v, A @ b.d - rotation.skew(b.v) @ a.d)  # type: ignore[arg-type]
+    A, B = rotation.skew(np.asarray(a.v)), rotation.skew(np.asarray(b.v))
+    return Jet(A @ b.v, np.asarray(A @ b.d) - B @ a.d)
 
 
 def dot(a: Jet, b: Jet) -> Jet:
