@@ -97,7 +97,7 @@ class Newton:
         self.biphasic = bool(len(self.is_p)) or system.problem.biphasic
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
-        self.augments = system.links is not None or any(g.block.augment is not None for g in system.groups)
+        self.augments = bool(system.augmented) or any(g.block.augment is not None for g in system.groups)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -344,8 +344,7 @@ class Newton:
     def _augment(self) -> bool:
         k = self.count
         done = [g.augment(k.augmentations)[0] for g in self.system.groups]
-        if self.system.links is not None:
-            done.append(self.system.links.augment(k.augmentations))
+        done += [load.augment(k.augmentations) for load in self.system.augmented]
         k.augmentations += 1
         k.reforms = 0
         if all(done):

@@ -13,8 +13,8 @@ from .problem import Fixed, Prescribed
 
 if TYPE_CHECKING:
     from .group import Group
-    from .rigid.bodies import Bodies
     from .schedule import Schedule
+    from .ties import Ties
 
 Ints = NDArray[np.int32]
 INACTIVE, FREE, HELD, GIVEN = -1, 0, 1, 2  # what becomes of a nodal unknown
@@ -58,7 +58,7 @@ class Pattern:
 
     def __init__(
         self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool, schedule: Schedule,
-        bodies: Bodies | None = None,
+        ties: Ties | None = None,
     ) -> None:  # fmt: skip
         self.eqs, self.symmetric = eqs, symmetric
         self.lead, self.size = eqs.lead, eqs.size
@@ -68,11 +68,11 @@ class Pattern:
         self.given = np.where(self.row < 0, eqs.eq, -1).astype(np.int32)
         nn = len(eqs.kind)
         parts = [g.conn for g in groups] + [np.asarray(c, np.int32) for c in cliques]
-        self.bodies = bodies
-        self._carried: dict[int, NDArray[np.int64]] = {}
-        if bodies is not None:
-            self._carried = {id(g): bodies.carried(g.conn) for g in groups}
-            parts += bodies.cliques(parts)
+        self.ties = ties
+        self._tied: dict[int, NDArray[np.int64]] = {}
+        if ties is not None:
+            self._tied = {id(g): ties.rows(g.conn) for g in groups}
+            parts += ties.cliques(parts)
         conn = self._stack(parts)
         ptr, elems = self._incidence(conn, nn)
         first = np.zeros(nn + 1, np.int64)
@@ -138,9 +138,9 @@ class Pattern:
         """Offsets of a group's node pairs from the row ends."""
         return self._back[id(group)]
 
-    def carried(self, group: Group, lo: int, hi: int) -> NDArray[np.int64]:
-        """Those of a group's elements lo:hi that have nodes of rigid bodies."""
-        rows = self._carried[id(group)]
+    def tied(self, group: Group, lo: int, hi: int) -> NDArray[np.int64]:
+        """Those of a group's elements lo:hi that have tied nodes."""
+        rows = self._tied[id(group)]
         return rows[np.searchsorted(rows, lo) : np.searchsorted(rows, hi)]
 
     def contended(self, group: Group) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ from .values import Constant, Value
 if TYPE_CHECKING:
     from .rigid.body import RigidBody
     from .rigid.connectors import Connector
+    from .ties import LinearConstraint
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -184,6 +185,7 @@ class Step:
     body_loads: list[Any] = field(default_factory=list)
     attached: list[Attached] = field(default_factory=list)
     connectors: list[Connector] = field(default_factory=list)
+    constraints: list[LinearConstraint] = field(default_factory=list)
 
 
 @dataclass(eq=False)

@@ -240,8 +240,8 @@ class Run:
             load.residual(self.state, f)
         for load in system.body_loads:
             load.residual(self.state, system.carriers, f)
-        if system.bodies is not None:
-            self._initial_acceleration_with_bodies(f)
+        if system.bodies is not None or system.ties is not None:
+            self._initial_acceleration_with_ties(f)
             return
         free = system.eqs.kind[:, :3] == 0
         if not np.any(f[:, :3][free]):
@@ -249,13 +249,15 @@ class Run:
         a = system.mass.solve(f[:, :3], free)
         self.state.acceleration[free] = a[free]
 
-    def _initial_acceleration_with_bodies(self, f: NDArray[np.float64]) -> None:
-        """As above, nodes and rigid bodies together."""
+    def _initial_acceleration_with_ties(self, f: NDArray[np.float64]) -> None:
+        """As above, with rigid bodies and nodes that hang on others."""
         system, s = self.system, self.state
-        assert system is not None and system.bodies is not None
+        assert system is not None
         bodies = system.bodies
-        bodies.inertia_forces(s, f, system.alpham)
-        bodies.gather(s, f, system.alphaf)
+        if bodies is not None:
+            bodies.inertia_forces(s, f, system.alpham)
+        if system.ties is not None:
+            system.ties.gather(s, f, system.alphaf)
         rows, R = system.eqs.rows, system.gather(f)
         if not len(rows) or not np.any(R[rows]):
             return
@@ -267,7 +269,8 @@ class Run:
         full = np.zeros_like(s.d)
         system.spread(a, full)
         s.acceleration[:] = full[:, :3]
-        s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
+        if bodies is not None:
+            s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper

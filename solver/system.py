@@ -19,7 +19,7 @@ from .tangent import Target, Workspace, add_chunk
 
 if TYPE_CHECKING:
     from .rigid.bodies import Bodies
-    from .rigid.connectors import Connectors
+    from .ties import Constraints, Ties
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +42,8 @@ class System:
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
-        self.links = self._links()
+        self._link()
+        self.ties = self._tie()
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -58,23 +59,41 @@ class System:
                 load.alpha = self.alphaf
         self._mass: Mass | None = None
 
-    def _links(self) -> Connectors | None:
-        """The connectors of the step, which are among its loads."""
+    def _link(self) -> None:
+        """The connectors of the step are among its loads; those loads that are augmented."""
         c = self.bodies.connectors if self.bodies is not None else None
         active = [*self.problem.common.connectors, *self.step.connectors]
-        if c is None or not active:
+        if c is not None and active:
+            c.take(active, self)
+            self.loads.append(c)
+        self.augmented = [q for q in self.loads if hasattr(q, "augment")]
+
+    def _tie(self) -> Ties | None:
+        """Carried nodes of rigid bodies, and linear constraints."""
+        records = [*self.problem.common.constraints, *self.step.constraints]
+        self.constraints: Constraints | None = None
+        if records:
+            from .ties import Constraints
+
+            self.constraints = Constraints(records)
+        sources: list[Bodies | Constraints] = [q for q in (self.bodies, self.constraints) if q is not None]
+        if not sources:
             return None
-        c.take(active, self)
-        self.loads.append(c)
-        return c
+        from .ties import Ties
+
+        return Ties(sources, self.state.d.shape)
 
     def _active(self) -> NDArray[np.bool_]:
         active = np.zeros(self.state.d.shape, bool)
         for g in self.groups:
             active[g.conn.ravel(), : g.columns] = True
+        for load in self.loads:
+            if hasattr(load, "joins"):  # nodes of springs
+                active[load.joins, :3] = True
         if self.bodies is not None:
-            active[self.bodies.nodes, :3] = False
             active[len(self.problem.X) :, :3] = True
+        if self.ties is not None:
+            active.reshape(-1)[self.ties.own] = False
         return active
 
     def _begin_conditions(self) -> None:
@@ -120,7 +139,9 @@ class System:
     def pattern(self) -> Pattern:
         if self._pattern is None:
             cliques = [q for load in self.loads for q in load.cliques()]
-            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.bodies)
+            if self.bodies is not None:
+                cliques += self.bodies.cliques()
+            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
             self._matrix = self._pattern.matrix()
         return self._pattern
 
@@ -154,6 +175,8 @@ class System:
         s.d[given] = target[given]
         if self.bodies is not None:
             self.bodies.move(s, self.eqs, increment, u)
+        if self.constraints is not None:
+            self.constraints.enforce(s)
         self._rates()
         self.update()
 
@@ -213,8 +236,8 @@ class System:
             load.residual(s, self.carriers, total)
         if self.dynamic:
             self._inertia(total)
-        if self.bodies is not None:
-            self.bodies.gather(s, total, self.alphaf)
+        if self.ties is not None:
+            self.ties.gather(s, total, self.alphaf)
         out = self.gather(total)
         out[self.eqs.given] = 0.0
         return out
@@ -239,8 +262,8 @@ class System:
         pat = self.pattern
         A, Fd = self._matrix, np.zeros(self.eqs.n)
         A.data[:] = 0.0
-        if self.bodies is not None:
-            self.bodies.aim(self.state, self.alphaf)
+        if self.ties is not None:
+            self.ties.aim(self.state, self.alphaf)
         target = Target(pat, A, step)
 
         def work(share: Share) -> None:
@@ -250,7 +273,7 @@ class System:
 
         self.schedule.map(work)
         Fd[self.eqs.rows] = target.Fd
-        if self.bodies is not None:
+        if self.ties is not None:
             Fd += target.Fb
         if self.alphaf != 1.0:
             A.data *= self.alphaf
@@ -268,16 +291,16 @@ class System:
         scatter_any(
             np.ascontiguousarray(K), dofs, self.eqs.free, A.indptr, A.indices, A.data, step, Fd, A.symmetric
         )
-        if self.bodies is not None:
-            some = self.bodies.carried(nodes)
+        if self.ties is not None:
+            some = self.ties.rows(nodes)
             if len(some):
-                self.bodies.scatter(self.eqs, A, K[some], nodes[some], columns, step, Fd)
+                self.ties.scatter(self.eqs, A, K[some], nodes[some], columns, step, Fd)
 
     def mass_matrix(self) -> Matrix:
         """The mass in the tangent's pattern: what takes accelerations at the start to forces."""
         A = self.pattern.matrix()
-        if self.bodies is not None:
-            self.bodies.aim(self.state, 1.0)
+        if self.ties is not None:
+            self.ties.aim(self.state, 1.0)
         self._add_mass(A, np.zeros(self.eqs.n), np.zeros(self.eqs.n), 1.0)
         return A
 

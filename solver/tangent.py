@@ -49,7 +49,7 @@ class Target:
     def __init__(self, pat: Pattern, A: Matrix, step: Floats) -> None:
         self.pat, self.A, self.data, self.step = pat, A, A.data, step
         self.Fd = np.zeros(len(pat.indptr) - 1)
-        self.Fb = np.zeros(pat.eqs.n if pat.bodies is not None else 0)  # the bodies' share, by equation
+        self.Fb = np.zeros(pat.eqs.n if pat.ties is not None else 0)  # the ties' share, by equation
         self.lock = Lock()
 
     def add_blocks(self, g: Group, lo: int, hi: int, B: Floats, U: Floats) -> None:
@@ -61,20 +61,20 @@ class Target:
         if contended.any():
             with self.lock:
                 pattern.scatter_upper(lo, hi, contended, B, U, g.conn, back, *rest)
-        if p.bodies is not None:
-            rows = p.carried(g, lo, hi)
+        if p.ties is not None:
+            rows = p.tied(g, lo, hi)
             if len(rows):
                 K = np.empty((len(rows), g.columns * g.n, g.columns * g.n))
                 blocks.expand(len(rows), B[rows - lo], U[rows - lo] if len(U) else U, False, K)
                 self._condense(g, rows, K)
 
     def _condense(self, g: Group, rows: NDArray[np.int64], K: Floats) -> None:
-        """Add matrices K of elements ``rows`` at the unknowns of rigid bodies."""
+        """Add matrices K of elements ``rows`` at the masters of tied unknowns."""
         p = self.pat
-        assert p.bodies is not None
+        assert p.ties is not None
         columns = np.repeat(np.arange(g.columns), g.n)
         with self.lock:
-            p.bodies.scatter(p.eqs, self.A, K, np.tile(g.conn[rows], (1, g.columns)), columns, self.step, self.Fb)
+            p.ties.scatter(p.eqs, self.A, K, np.tile(g.conn[rows], (1, g.columns)), columns, self.step, self.Fb)
 
     def add(self, g: Group, lo: int, hi: int, K: Floats) -> None:
         """Add full matrices K (hi - lo, c n, c n) of elements lo:hi."""
@@ -84,8 +84,8 @@ class Target:
                 lo, hi, K, g.conn, p.back(g), p.row, p.given, p.lead, p.indptr, self.data, self.step, self.Fd,
                 p.symmetric,
             )  # fmt: skip
-        if p.bodies is not None:
-            rows = p.carried(g, lo, hi)
+        if p.ties is not None:
+            rows = p.tied(g, lo, hi)
             if len(rows):
                 self._condense(g, rows, K[rows - lo])
 

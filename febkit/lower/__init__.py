@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
-from . import conditions, control, loads, materials, rigid, shells
+from . import conditions, control, loads, materials, rigid, shells, ties
 from .context import Context
 
 
@@ -50,8 +50,11 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     bodies = rigid.make(ctx)
     common = Step()
     _fill(ctx, common, model.common)
+    if model.discrete:
+        ties.discrete(ctx, common)
     steps = [_step(ctx, s) for s in model.steps]
     rigid.check(ctx, [(common, s) for s in steps])
+    ties.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
@@ -75,9 +78,9 @@ def _whole_sections(ctx: Context) -> None:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
         for c in (*step.contact, *step.constraints, *step.adaptors):
+            if c.tag == "constraint" and c.type == "linear constraint":
+                continue
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
-    for c in m.discrete:
-        ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)
     for c in m.unknown:
         ctx.refuse(f"the section <{c.tag}>", c.where)
 
@@ -96,6 +99,12 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
     rigid.fill(ctx, out, spec)
+    for c in spec.constraints:
+        if c.type == "linear constraint":
+            ties.constraint_set(ctx, out, c)
+    for c in spec.boundary:
+        if c.type == "linear constraint":
+            ties.constraint(ctx, out, c)
 
 
 __all__ = ["lower", "unsupported"]

@@ -19,7 +19,7 @@ def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Presc
     """Boundary conditions in file order."""
     out: list[Fixed | Prescribed] = []
     for c in specs:
-        if c.type == "rigid":  # read by rigid.fill
+        if c.type in ("rigid", "linear constraint"):  # read by rigid.fill and ties.constraint
             continue
         make = READERS.get(c.type or "")
         if make is None:

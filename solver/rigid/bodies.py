@@ -7,18 +7,16 @@ the Newmark rule in Cayley vectors. FEBio theory manual, "Rigid bodies" and "Dyn
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels import rigid as kernels
 from ..pattern import GIVEN
 from . import rotation
 from .body import RigidBody
 
 if TYPE_CHECKING:
-    from ..linear.base import Matrix
     from ..pattern import Equations
     from ..problem import Attached, Problem
     from ..state import State
@@ -58,8 +56,6 @@ class Bodies:
             from .connectors import Connectors
 
             self.connectors = Connectors(records, state)
-        # sums of forces and moments that carried nodes hand on (body, 6)
-        state.extra["reaction"] = np.zeros((k, 6))
 
     def start(self, s: State) -> None:
         """Angular momentum of the angular velocities given."""
@@ -87,26 +83,24 @@ class Bodies:
             own = self._body == i
             z[own] = (x[self.nodes[own]] - b.centre - s.d[self.rows[i], :3]) @ rotation.matrix(s.extra["q"][i])
         self._arm = z
-        self.zu = self.zf = np.zeros(s.X.shape)
 
-    def cliques(self, conns: list[NDArray[np.int32]]) -> list[NDArray[np.int32]]:
-        """The bodies' own rows, and for rows of node lists that touch bodies their nodes with the bodies'."""
-        out = [np.stack([self.rows, self.rows + 1], axis=1)]
-        for conn in conns:
-            own = np.where(conn >= 0, self.owner[conn], -1)
-            touched = (own >= 0).any(axis=1)
-            if not touched.any():
-                continue
-            own = -np.sort(-own[touched], axis=1)
-            own[:, 1:][own[:, 1:] == own[:, :-1]] = -1
-            own = -np.sort(-own, axis=1)
-            own = own[:, : int((own >= 0).sum(axis=1).max())]
-            out.append(np.hstack([conn[touched], own, np.where(own >= 0, own + 1, -1)]))
-        return [np.asarray(c, np.int32) for c in out]
+    def cliques(self) -> list[NDArray[np.int32]]:
+        """The rows of each body."""
+        return [np.stack([self.rows, self.rows + 1], axis=1).astype(np.int32)]
 
-    def carried(self, conn: NDArray[np.int32]) -> Ints:
-        """Rows of a node list with a carried node."""
-        return np.flatnonzero((self.owner[conn] >= 0).any(axis=1))
+    def tied(self, columns: int) -> tuple[Ints, Ints, Ints]:
+        """Carried nodes hang on three unknowns each: du_i = dt_i + dtheta_j z_k - dtheta_k z_j."""
+        i = np.arange(3)
+        j, k = (i + 1) % 3, (i + 2) % 3
+        own = (self.nodes[:, None] * columns + i).reshape(-1)
+        shift, turn = self._at[:, None] * columns, (self._at[:, None] + 1) * columns
+        masters = np.stack([shift + i, turn + j, turn + k], axis=2).reshape(-1)
+        return own, np.full(len(own), 3), masters
+
+    def weights(self, s: State, alpha: float) -> Floats:
+        i = np.arange(3)
+        z = self._arms(s, alpha)
+        return np.stack([np.ones_like(z), z[:, (i + 2) % 3], -z[:, (i + 1) % 3]], axis=2).reshape(-1)
 
     # ---- motion -----------------------------------------------------------------------------------
     def move(self, s: State, eqs: Equations, increment: Floats, u: Floats) -> None:
@@ -180,16 +174,6 @@ class Bodies:
         z: Floats = s.X[self.nodes] + d[self.nodes] - s.X[self._at] - d[self._at]
         return z
 
-    def gather(self, s: State, R: Floats, alpha: float) -> None:
-        """Hand the forces R (node, column) on carried nodes on to the bodies."""
-        f = R[self.nodes, :3]
-        both = np.hstack([f, np.cross(self._arms(s, alpha), f)])
-        total = np.zeros((len(self.rows), 6))
-        np.add.at(total, self._body, both)
-        s.extra["reaction"] = -total
-        R[self.rows, :3] += total[:, :3]
-        R[self.rows + 1, :3] += total[:, 3:]
-
     def inertia_forces(self, s: State, R: Floats, alpham: float) -> None:
         """R -= m a and the rate of angular momentum w x J w + J w'."""
         a = alpham * s.acceleration[self.rows] + (1 - alpham) * s.acceleration_old[self.rows]
@@ -200,21 +184,6 @@ class Bodies:
         R[self.rows + 1, :3] -= alpham * dh + (1 - alpham) * s.extra["dh_old"]
 
     # ---- tangent ----------------------------------------------------------------------------------
-    def aim(self, s: State, alpha: float) -> None:
-        """Take the arms of the present state for :meth:`scatter`."""
-        self.zu[self.nodes] = self._arms(s, 1.0)
-        self.zf = self.zu
-        if alpha != 1.0:
-            self.zf = np.zeros_like(self.zu)
-            self.zf[self.nodes] = self._arms(s, alpha)
-
-    def scatter(self, eqs: Equations, A: Matrix, K: Floats, nodes: Any, columns: Any, step: Floats, Fd: Floats) -> None:
-        """Add what matrices K (m, d, d) of unknowns (nodes (m, d), columns (d,)) add at the bodies' unknowns."""
-        kernels.scatter(
-            np.ascontiguousarray(K), np.ascontiguousarray(nodes, np.int32), np.ascontiguousarray(columns, np.int32),
-            self.owner, eqs.eq, self.zf, self.zu, eqs.free, A.indptr, A.indices, A.data, step, Fd, A.symmetric,
-        )  # fmt: skip
-
     def inertia_tangent(self, s: State, system: System) -> list[tuple[Floats, Ints, Ints]]:
         """Minus the derivative of the inertia forces, as triples (K, nodes, columns); of t = 0, see below."""
         dt, beta, gamma, alpham = s.dt, system.beta, system.gamma, system.alpham
