@@ -132,6 +132,8 @@ class Run:
                 if g.block.mixture is not None:
                     g.stabilise(self.options.stabilise)
         if self.problem.bodies:
+            if self.options.linear == "iterative":
+                raise ValueError("multigrid knows nothing of the unknowns of rigid bodies: take another linear solver")
             from .rigid.bodies import Bodies
 
             self.bodies = Bodies(self.problem, self.state)

@@ -138,6 +138,6 @@ class Ties:
         """Add what matrices K (m, d, d) of unknowns (nodes (m, d), columns (d,)) add at the masters."""
         kernels.scatter(
             np.ascontiguousarray(K), np.ascontiguousarray(nodes, np.int32), np.ascontiguousarray(columns, np.int32),
-            self.ptr, self.master, self.wf, self.wu, eqs.eq.reshape(-1), eqs.eq.shape[1], eqs.free, A.indptr,
+            self.ptr, self.master, self.wf, self.wu, eqs.eq.reshape(-1), self.columns, eqs.free, A.indptr,
             A.indices, A.data, step, Fd, A.symmetric,
         )  # fmt: skip

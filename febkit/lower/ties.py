@@ -27,10 +27,10 @@ METHODS = {"PENALTY": 0, "AUGLAG": 1, "LAGMULT": 2}
 
 def discrete(ctx: Context, out: Step) -> None:
     """Springs act in every step."""
-    materials = {}
+    materials: dict[str, Component] = {}
     for c in ctx.model.discrete:
         if c.tag == "discrete_material":
-            materials[c.attrs.get("id", str(c.id or len(materials) + 1))] = c
+            materials[str(c.id or len(materials) + 1)] = c
     for c in ctx.model.discrete:
         if c.tag == "discrete":
             _springs(ctx, out, c, materials)
@@ -50,7 +50,8 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
         return
     cls, numbers = LAWS[m.type]
     pairs = np.asarray(ctx.model.mesh.discrete_sets[name].pairs, np.int64)
-    x, kw = ctx.X[pairs], {t: ctx.value(m.child(t)) for t in numbers if m.child(t) is not None}
+    x = ctx.X[pairs]
+    kw: dict[str, Any] = {t: ctx.value(m.child(t)) for t in numbers if m.child(t) is not None}
     known: set[str] = {"name", *numbers}
     if m.type == "tension-only linear spring":
         kw["tension_only"] = True
@@ -121,7 +122,8 @@ def constraint_set(ctx: Context, out: Step, c: Component) -> None:
     rows = []
     for q in c:
         if q.tag == "linear_constraint":
-            rows.append([(*_place(ctx, n, n.attrs["id"], n.attrs["bc"]), n.as_float()) for n in q if n.tag == "node"])
+            ends = [n for n in q if n.tag == "node"]
+            rows.append([(*_place(ctx, n, str(n.id), n.attrs.get("bc", "")), n.as_float()) for n in ends])
     width = max(map(len, rows), default=0)
     nodes, columns = (np.full((len(rows), width), k, np.int64) for k in (-1, 0))
     a = np.zeros((len(rows), width))

@@ -87,7 +87,7 @@ class LinearSprings(Springs):
     tension_only: bool = False
 
     def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
-        E = as_value(self.E)(t, ORIGIN) * np.where((L >= self.rest) | (not self.tension_only), 1.0, 0.0)
+        E = as_value(self.E)(t, ORIGIN) * np.where((self.rest <= L) | (not self.tension_only), 1.0, 0.0)
         return E * (L - self.rest), E, np.zeros_like(L)
 
 

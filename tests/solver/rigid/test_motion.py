@@ -146,6 +146,17 @@ def test_a_soft_cube_hangs_on_a_box_in_balance() -> None:
     np.testing.assert_allclose((s.X + s.d)[[8, 9, 10]], centre + turned, atol=1e-12)
 
 
+def test_what_cannot_be_had_with_bodies() -> None:
+    from febkit.solver.run import Options
+    from febkit.solver.second_order import refusal
+
+    with pytest.raises(ValueError, match="multigrid"):
+        run(one_box(dt=1.0, count=1), options=Options(linear="iterative"))
+    problem = one_box(dt=1.0, count=1, analysis="transient")
+    problem.__class__ = type("Mixed", (Problem,), {"biphasic": True})
+    assert "rigid bodies" in refusal(problem)
+
+
 def test_multipliers_close_a_joint() -> None:
     lock = joints.Lock(0, 1, origin=np.array([2.0, 1.0, 1.0]), gaptol=1e-9, angtol=1e-9, maxaug=50)
     from febkit.solver.loads import load
