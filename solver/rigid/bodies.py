@@ -88,6 +88,15 @@ class Bodies:
         """The rows of each body."""
         return [np.stack([self.rows, self.rows + 1], axis=1).astype(np.int32)]
 
+    def counted(self, eqs: Equations) -> Floats:
+        """How many nodes each equation moves as a whole: 1, those carried for a displacement, 0 for a rotation."""
+        out = np.ones(eqs.n)
+        for i, r in enumerate(self.rows):
+            for row, count in ((r, (self._body == i).sum()), (r + 1, 0)):
+                e = eqs.eq[row, :3]
+                out[e[e >= 0]] = count
+        return out
+
     def tied(self, columns: int) -> tuple[Ints, Ints, Ints]:
         """Carried nodes hang on three unknowns each: du_i = dt_i + dtheta_j z_k - dtheta_k z_j."""
         i = np.arange(3)

@@ -146,3 +146,13 @@ def test_weight_of_bodies_acts_at_their_centre_of_mass() -> None:
     np.testing.assert_allclose(R[1], np.cross((-0.1, -0.2, -0.3), 6 * f), atol=1e-12)
     np.testing.assert_allclose(R[2], 4 * f, atol=1e-12)
     np.testing.assert_allclose(R[3], 0.0, atol=1e-12)
+
+
+def test_how_many_nodes_an_equation_moves() -> None:
+    s = blocks.system(blocks.held_cube(conditions=[Fixed(0, np.array([20]))]))
+    assert s.bodies is not None
+    counted = s.bodies.counted(s.eqs)
+    assert counted[s.eqs.eq[11, :3]].tolist() == [1, 1, 1]
+    assert counted[s.eqs.eq[20, 1:3]].tolist() == [8, 8]  # its own
+    assert counted[s.eqs.eq[22, :3]].tolist() == [11, 11, 11]  # its own and those attached
+    assert not counted[s.eqs.eq[[21, 23], :3]].any()
