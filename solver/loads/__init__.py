@@ -29,6 +29,7 @@ TYPES = {
     "non-const": "body_force",
     "centrifugal": "centrifugal",
     "mass damping": "mass_damping",
+    "moving frame": "moving_frame",
 }
 _classes: dict[str, Any] = {}
 
