@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
-from . import conditions, control, loads, materials, rigid, shells, ties
+from . import conditions, control, loads, materials, rigid, shells
 from .context import Context
 
 
@@ -51,10 +51,15 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     common = Step()
     _fill(ctx, common, model.common)
     if model.discrete:
+        from . import ties
+
         ties.discrete(ctx, common)
     steps = [_step(ctx, s) for s in model.steps]
     rigid.check(ctx, [(common, s) for s in steps])
-    ties.check(ctx, [(common, s) for s in steps])
+    if any(s.constraints for s in (common, *steps)):
+        from . import ties
+
+        ties.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
@@ -99,12 +104,11 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
     rigid.fill(ctx, out, spec)
-    for c in spec.constraints:
+    for c in (*spec.constraints, *spec.boundary):
         if c.type == "linear constraint":
-            ties.constraint_set(ctx, out, c)
-    for c in spec.boundary:
-        if c.type == "linear constraint":
-            ties.constraint(ctx, out, c)
+            from . import ties
+
+            (ties.constraint if c.tag == "bc" else ties.constraint_set)(ctx, out, c)
 
 
 __all__ = ["lower", "unsupported"]
