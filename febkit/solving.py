@@ -49,6 +49,8 @@ def solve(
 
         if not amg.available():
             raise InputError(amg.MISSING)
+        if problem.bodies:
+            raise InputError('linear = "iterative" does not solve models with rigid bodies', Where(model.file))
     if accuracy:
         from febkit.solver.second_order import refusal
 

@@ -68,7 +68,7 @@ def _guard(newton: Newton, u: Floats, target: Floats, ahead: Floats) -> float:
     while s >= LEAST:
         try:
             with newton.clock("stress update"):
-                system.set(newton.total + newton.increment + s * u, target + s * ahead)
+                system.set(newton.total, newton.increment, s * u, target + s * ahead)
             if all((KEPT * old <= g.J).all() for g, old in zip(system.groups, J)):
                 return s
         except ElementFailure as e:

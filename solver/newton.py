@@ -98,9 +98,13 @@ class Newton:
         self.is_p = np.flatnonzero(eqs.column == P)
         self.is_u = np.flatnonzero(eqs.column != P)
         self.biphasic = bool(len(self.is_p)) or system.problem.biphasic
+        # FEBio's biphasic norms count a rigid body's displacement once for each node it carries, its rotation never
+        self.weight: Floats | None = None
+        if self.biphasic and system.bodies is not None:
+            self.weight = np.sqrt(system.bodies.counted(eqs)[self.is_u])
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
-        self.augments = any(g.block.augment is not None for g in system.groups)
+        self.augments = bool(system.augmented) or any(g.block.augment is not None for g in system.groups)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -171,7 +175,7 @@ class Newton:
 
     def _move(self, u: Floats) -> None:
         with self.clock("stress update"):
-            self.system.set(self.total + self.increment + u, self.target)
+            self.system.set(self.total, self.increment, u, self.target)
 
     def close(self) -> None:
         """Free all factorisations."""
@@ -298,8 +302,8 @@ class Newton:
         if k.iterations == 0:
             m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
             m.energy_max = m.energy0
-            m.u0, m.p0 = dot(u[self.is_u], u[self.is_u]), dot(u[self.is_p], u[self.is_p])
-        self.increment = self.increment + s * u
+            m.u0, m.p0 = self._square(u, self.is_u), self._square(u, self.is_p)
+        self.increment = self.system.compose(self.increment, s * u)
         report, converged = self._test(u, s, R1, m)
         self.watch(Iteration(
             self.system.state.time, k.iterations + 1, self.qn.count, k.residuals, k.reforms, s, report
@@ -319,12 +323,18 @@ class Newton:
         ok = not (o.rtol > 0 and r1 > o.rtol * m.residual0)
         ok = ok and not (o.etol > 0 and energy > o.etol * m.energy0)
         for name, mask, tol, first in fields:
-            now, total = s * s * dot(u[mask], u[mask]), dot(U[mask], U[mask])
+            now, total = s * s * self._square(u, mask), self._square(U, mask)
             report[name] = Norm(first, now, tol * tol * total)
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
         ok = ok and not (o.diverge_reform and energy > m.energy_max)
         return report, ok
+
+    def _square(self, u: Floats, mask: NDArray[np.int64]) -> float:
+        part = u[mask]
+        if self.weight is not None and mask is self.is_u:
+            part = part * self.weight
+        return dot(part, part)
 
     def _slow(self, report: dict[str, Norm]) -> bool:
         """Would an old factorisation take more iterations than a new one is worth?
@@ -352,10 +362,11 @@ class Newton:
 
     def _augment(self) -> bool:
         k = self.count
-        done = [g.augment(k.augmentations) for g in self.system.groups]
+        done = [g.augment(k.augmentations)[0] for g in self.system.groups]
+        done += [load.augment(k.augmentations) for load in self.system.augmented]
         k.augmentations += 1
         k.reforms = 0
-        if all(c for c, *_ in done):
+        if all(done):
             return True
         self.system.update()
         self._next_R0 = self._residual()

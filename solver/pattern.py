@@ -14,6 +14,7 @@ from .problem import Fixed, Prescribed
 if TYPE_CHECKING:
     from .group import Group
     from .schedule import Schedule
+    from .ties import Ties
 
 Ints = NDArray[np.int32]
 INACTIVE, FREE, HELD, GIVEN = -1, 0, 1, 2  # what becomes of a nodal unknown
@@ -56,8 +57,9 @@ class Pattern:
     """Compressed rows of the tangent for groups of elements and extra node cliques (loads, contact)."""
 
     def __init__(
-        self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool, schedule: Schedule
-    ) -> None:
+        self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool, schedule: Schedule,
+        ties: Ties | None = None,
+    ) -> None:  # fmt: skip
         self.eqs, self.symmetric = eqs, symmetric
         self.lead, self.size = eqs.lead, eqs.size
         # matrix row of each nodal unknown, and equation of each prescribed one; -1 for the others
@@ -65,7 +67,13 @@ class Pattern:
         self.row = np.ascontiguousarray(at, dtype=np.int32)
         self.given = np.where(self.row < 0, eqs.eq, -1).astype(np.int32)
         nn = len(eqs.kind)
-        conn = self._stack([g.conn for g in groups] + [np.asarray(c, np.int32) for c in cliques])
+        parts = [g.conn for g in groups] + [np.asarray(c, np.int32) for c in cliques]
+        self.ties = ties
+        self._tied: dict[int, NDArray[np.int64]] = {}
+        if ties is not None:
+            self._tied = {id(g): ties.rows(g.conn) for g in groups}
+            parts += ties.cliques(parts)
+        conn = self._stack(parts)
         ptr, elems = self._incidence(conn, nn)
         first = np.zeros(nn + 1, np.int64)
         kernels.node_graph(ptr, elems, conn, symmetric, first, True, np.empty(0, np.int32))
@@ -129,6 +137,11 @@ class Pattern:
     def back(self, group: Group) -> NDArray[np.int32]:
         """Offsets of a group's node pairs from the row ends."""
         return self._back[id(group)]
+
+    def tied(self, group: Group, lo: int, hi: int) -> NDArray[np.int64]:
+        """Those of a group's elements lo:hi that have tied nodes."""
+        rows = self._tied[id(group)]
+        return rows[np.searchsorted(rows, lo) : np.searchsorted(rows, hi)]
 
     def contended(self, group: Group) -> NDArray[np.bool_]:
         """Elements of a group whose entries more than one thread may add to."""

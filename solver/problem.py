@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .solids.base import Solid
 from .values import Constant, Value
+
+if TYPE_CHECKING:
+    from .rigid.body import RigidBody
+    from .rigid.connectors import Connector
+    from .ties import LinearConstraint
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -72,15 +77,13 @@ class Fixed:
 class Prescribed:
     """Prescribes one column on nodes: ``value(t, X[nodes], index within nodes)``.
 
-    ``relative``: on top of the value at the start of the analysis step. ``rigid``: nodes that no deformable element
-    holds move, too.
+    ``relative``: on top of the value at the start of the analysis step.
     """
 
     column: int
     nodes: Ints
     value: Value
     relative: bool = False
-    rigid: bool = False
 
 
 @dataclass(eq=False)
@@ -91,6 +94,14 @@ class Initial:
     nodes: Ints
     value: Value
     velocity: bool = False
+
+
+@dataclass(eq=False)
+class Attached:
+    """Nodes that move with a rigid body (its index)."""
+
+    body: int
+    nodes: Ints
 
 
 @dataclass
@@ -172,17 +183,24 @@ class Step:
     initial: list[Initial] = field(default_factory=list)
     loads: list[Any] = field(default_factory=list)
     body_loads: list[Any] = field(default_factory=list)
+    attached: list[Attached] = field(default_factory=list)
+    connectors: list[Connector] = field(default_factory=list)
+    constraints: list[LinearConstraint] = field(default_factory=list)
 
 
 @dataclass(eq=False)
 class Problem:
-    """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step."""
+    """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step.
+
+    Conditions on rigid body i name the rows len(X) + 2 i (displacement of the centre) and the next (rotation vector).
+    """
 
     X: Floats
     blocks: list[Block]
     steps: list[Step]
     common: Step = field(default_factory=Step)
     node_ids: Ints | None = None
+    bodies: list[RigidBody] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.X = np.ascontiguousarray(self.X, dtype=float)

@@ -26,6 +26,10 @@ from .threads import Team
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
+    from .rigid.bodies import Bodies
+
 
 @dataclass
 class Options:
@@ -86,6 +90,7 @@ class Run:
         self.times: list[float] = []
         self.index = 0
         self.system: System | None = None
+        self.bodies: Bodies | None = None
         self.stepper: FixedSteps | None = None
         self.integrator: SecondOrder | None = None
         self._saved_at = -1
@@ -129,6 +134,12 @@ class Run:
             for g in self.groups:
                 if g.block.mixture is not None:
                     g.stabilise(self.options.stabilise)
+        if self.problem.bodies:
+            if self.options.linear == "iterative":
+                raise ValueError("multigrid knows nothing of the unknowns of rigid bodies: take another linear solver")
+            from .rigid.bodies import Bodies
+
+            self.bodies = Bodies(self.problem, self.state)
         self._initial(self.problem.common)
         self.tell("start")
         if len(self.problem.steps) == 1:
@@ -142,6 +153,8 @@ class Run:
                 s.velocity[c.nodes, c.column] = v
             else:
                 s.d[c.nodes, c.column] = v
+        if self.bodies is not None:
+            self.bodies.start(s)
 
     def _first_state(self) -> None:
         step = self.problem.steps[0]
@@ -160,7 +173,7 @@ class Run:
         self._initial(step)
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
-        self.system = System(self.problem, step, self.groups, s, self.schedule)
+        self.system = System(self.problem, step, self.groups, s, self.schedule, self.bodies)
         try:
             make, reuse = self._linear()
         except LinearError as e:
@@ -258,15 +271,43 @@ class Run:
         if self.state.time != 0.0:
             return
         f = np.zeros_like(self.state.d)
+        if system.bodies is not None:
+            self.state.dt = self.step.dt  # their rates are functions of it
         for load in [*system.loads]:
             load.residual(self.state, f)
         for load in system.body_loads:
-            load.residual(self.state, self.groups, f)
+            load.residual(self.state, system.carriers, f)
+        if system.bodies is not None or system.ties is not None:
+            self._initial_acceleration_with_ties(f)
+            return
         free = system.eqs.kind[:, :3] == 0
         if not np.any(f[:, :3][free]):
             return
         a = system.mass.solve(f[:, :3], free)
         self.state.acceleration[free] = a[free]
+
+    def _initial_acceleration_with_ties(self, f: NDArray[np.float64]) -> None:
+        """As above, with rigid bodies and nodes that hang on others."""
+        system, s = self.system, self.state
+        assert system is not None
+        bodies = system.bodies
+        if bodies is not None:
+            bodies.inertia_forces(s, f, system.alpham)
+        if system.ties is not None:
+            system.ties.gather(s, f, system.alphaf)
+        rows, R = system.eqs.rows, system.gather(f)
+        if not len(rows) or not np.any(R[rows]):
+            return
+        solver = self._solver(self.options.linear, False)
+        solver.factor(system.mass_matrix())
+        a = np.zeros(system.eqs.n)
+        a[rows] = solver.solve(R[rows])
+        solver.close()
+        full = np.zeros_like(s.d)
+        system.spread(a, full)
+        s.acceleration[:] = full[:, :3]
+        if bodies is not None:
+            s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
@@ -363,6 +404,8 @@ class Run:
         for load in [*system.loads, *system.body_loads]:
             if hasattr(load, "begin_step"):
                 load.begin_step(s)
+        if self.bodies is not None:
+            self.bodies.begin_step(s, system)
         for g in self.groups:
             g.begin_step(s)
 

@@ -57,7 +57,7 @@ class Schedule:
         shares = [Share(i) for i in range(n)]
         for pair, i in zip(pairs, owner):
             shares[i].chunks.append(pair)
-        self.shares = [s for s in shares if s.chunks]
+        self.shares = [s for s in shares if s.chunks] or shares[:1]  # rigid bodies alone: a share of nothing
         self.n = len(self.shares)
 
     def map(self, work: Callable[[Share], object]) -> None:

@@ -16,7 +16,8 @@ Floats = NDArray[np.float64]
 class State:
     """Nodal values d (node, column) with columns u, v, w[, p]; velocity and acceleration (node, 3).
 
-    ``*_old`` are the values at the last converged step. ``reaction`` (node, 3) is the internal force.
+    ``*_old`` are the values at the last converged step. ``reaction`` (node, 3) is the internal force. Two rows of each
+    rigid body follow the nodes (:mod:`.rigid`).
     """
 
     X: Floats
@@ -33,12 +34,15 @@ class State:
 
     @classmethod
     def at_rest(cls, problem: Problem) -> State:
-        n, c = len(problem.X), 4 if problem.biphasic else 3
+        X = problem.X
+        if problem.bodies:
+            X = np.vstack([X, *([b.centre, np.zeros(3)] for b in problem.bodies)])
+        n, c = len(X), 4 if problem.biphasic else 3
 
         def zeros(k: int) -> Floats:
             return np.zeros((n, k))
 
-        return cls(problem.X, zeros(c), zeros(c), zeros(3), zeros(3), zeros(3), zeros(3), zeros(3))
+        return cls(X, zeros(c), zeros(c), zeros(3), zeros(3), zeros(3), zeros(3), zeros(3))
 
     @property
     def u(self) -> Floats:

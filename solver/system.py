@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,15 @@ from .group import Group
 from .kernels.pattern import scatter_any
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import Equations, Pattern
+from .pattern import HELD, Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
 from .schedule import Schedule, Share
 from .state import State
 from .tangent import Target, Workspace, add_chunk
+
+if TYPE_CHECKING:
+    from .rigid.bodies import Bodies
+    from .ties import Constraints, Ties
 
 Floats = NDArray[np.float64]
 
@@ -28,35 +32,74 @@ class System:
     """
 
     def __init__(
-        self, problem: Problem, step: Step, groups: list[Group], state: State, schedule: Schedule
-    ) -> None:
+        self, problem: Problem, step: Step, groups: list[Group], state: State, schedule: Schedule,
+        bodies: Bodies | None = None,
+    ) -> None:  # fmt: skip
         self.problem, self.step, self.groups, self.state, self.schedule = problem, step, groups, state, schedule
+        self.bodies = bodies
+        if bodies is not None:
+            bodies.attach(state, [*problem.common.attached, *step.attached])
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
+        self._link()
+        self.ties = self._tie()
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
         self._begin_conditions()
         self.symmetric = self._symmetric()
+        self.carriers = [*groups, *bodies.parts] if bodies is not None else groups  # what body loads act on
         self._pattern: Pattern | None = None
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
+        for load in self.loads:
+            if hasattr(load, "alpha"):
+                load.alpha = self.alphaf
         self._mass: Mass | None = None
+
+    def _link(self) -> None:
+        """The connectors of the step are among its loads; those loads that are augmented."""
+        c = self.bodies.connectors if self.bodies is not None else None
+        active = [*self.problem.common.connectors, *self.step.connectors]
+        if c is not None and active:
+            c.take(active, self)
+            self.loads.append(c)
+        self.augmented = [q for q in self.loads if hasattr(q, "augment")]
+
+    def _tie(self) -> Ties | None:
+        """Carried nodes of rigid bodies, and linear constraints."""
+        records = [*self.problem.common.constraints, *self.step.constraints]
+        self.constraints: Constraints | None = None
+        if records:
+            from .ties import Constraints
+
+            self.constraints = Constraints(records)
+        sources: list[Bodies | Constraints] = [q for q in (self.bodies, self.constraints) if q is not None]
+        if not sources:
+            return None
+        from .ties import Ties
+
+        return Ties(sources, self.state.d.shape)
 
     def _active(self) -> NDArray[np.bool_]:
         active = np.zeros(self.state.d.shape, bool)
         for g in self.groups:
             active[g.conn.ravel(), : g.columns] = True
-        for c in self.conditions:
-            if isinstance(c, Prescribed) and c.rigid:
-                active[c.nodes, c.column] = True
+        for load in self.loads:
+            if hasattr(load, "joins"):  # nodes of springs
+                active[load.joins, :3] = True
+        if self.bodies is not None:
+            active[len(self.problem.X) :, :3] = True
+        if self.ties is not None:
+            active.reshape(-1)[self.ties.own] = False
         return active
 
     def _begin_conditions(self) -> None:
-        """Fixed unknowns go to zero; relative conditions remember where they start."""
-        self.state.d[self.eqs.kind == 1] = 0.0
+        """Fixed unknowns of nodes go to zero; relative conditions remember where they start."""
+        n = len(self.problem.X)
+        self.state.d[:n][self.eqs.kind[:n] == HELD] = 0.0
         self._start = [
             self.state.d[c.nodes, c.column].copy() if isinstance(c, Prescribed) and c.relative else None
             for c in self.conditions
@@ -71,6 +114,8 @@ class System:
             and (g.block.mixture is None or self._fluid_symmetric(g.block.mixture))
             for g in self.groups
         )
+        if self.bodies is not None and self.dynamic:
+            return False  # rotational inertia is not
         return own and not self.steady and all(getattr(q, "symmetric", True) for q in [*self.loads, *self.body_loads])
 
     @staticmethod
@@ -94,7 +139,9 @@ class System:
     def pattern(self) -> Pattern:
         if self._pattern is None:
             cliques = [q for load in self.loads for q in load.cliques()]
-            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule)
+            if self.bodies is not None:
+                cliques += self.bodies.cliques()
+            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
             self._matrix = self._pattern.matrix()
         return self._pattern
 
@@ -123,14 +170,26 @@ class System:
         into[self.eqs.numbered & (self.eqs.kind == 0)] = vector[self.eqs.rows]
 
     # ---- state ------------------------------------------------------------------------------------
-    def set(self, total: Floats, target: Floats) -> None:
-        """Move the state to free unknowns ``total`` and prescribed values ``target``; update stresses."""
+    def set(self, total: Floats, increment: Floats, u: Floats, target: Floats) -> None:
+        """Move the state to free unknowns ``total`` + ``increment`` + ``u``, given ones to ``target``; update stresses.
+
+        ``increment`` is that of the step so far, to which ``u`` is added (rotations of rigid bodies: composed).
+        """
         s = self.state
-        self.spread(total, s.d)
+        self.spread(total + increment + u, s.d)
         given = self.eqs.kind == 2
         s.d[given] = target[given]
+        if self.bodies is not None:
+            self.bodies.move(s, self.eqs, increment, u)
+        if self.constraints is not None:
+            self.constraints.enforce(s)
         self._rates()
         self.update()
+
+    def compose(self, a: Floats, b: Floats) -> Floats:
+        """The increment a, then b."""
+        total = a + b
+        return total if self.bodies is None else self.bodies.compose(self.eqs, total, a, b)
 
     def _rates(self) -> None:
         s = self.state
@@ -143,6 +202,8 @@ class System:
             )
         elif s.p is not None and s.dt > 0:
             s.velocity = du / s.dt
+        if self.bodies is not None:
+            self.bodies.rates(s, self)
 
     def update(self) -> None:
         """Kinematics, stresses and fluxes at the present state."""
@@ -178,9 +239,11 @@ class System:
         for load in self.loads:
             load.residual(s, total)
         for load in self.body_loads:
-            load.residual(s, self.groups, total)
+            load.residual(s, self.carriers, total)
         if self.dynamic:
             self._inertia(total)
+        if self.ties is not None:
+            self.ties.gather(s, total, self.alphaf)
         out = self.gather(total)
         out[self.eqs.given] = 0.0
         return out
@@ -189,6 +252,8 @@ class System:
         s = self.state
         a = self.alpham * s.acceleration + (1 - self.alpham) * s.acceleration_old
         total[:, :3] -= self.mass @ a
+        if self.bodies is not None:
+            self.bodies.inertia_forces(s, total, self.alpham)
 
     @property
     def mass(self) -> Mass:
@@ -202,7 +267,9 @@ class System:
         """The tangent, and minus its prescribed columns times the increments ``step`` (equations)."""
         pat, A, Fd = self.pattern, self.matrix, np.zeros(self.eqs.n)
         A.data[:] = 0.0
-        target = Target(pat, A.data, step)
+        if self.ties is not None:
+            self.ties.aim(self.state, self.alphaf)
+        target = Target(pat, A, step)
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
@@ -211,14 +278,16 @@ class System:
 
         self.schedule.map(work)
         Fd[self.eqs.rows] = target.Fd
+        if self.ties is not None:
+            Fd += target.Fb
         if self.alphaf != 1.0:
             A.data *= self.alphaf
             Fd *= self.alphaf
         for load in [*self.loads, *self.body_loads]:
-            for K, nodes, columns in load.stiffness(self.state, self.groups):
+            for K, nodes, columns in load.stiffness(self.state, self.carriers):
                 self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
-            self._add_mass(A, step, Fd)
+            self._add_mass(A, step, Fd, self.alpham / (self.beta * self.state.dt**2))
         return A, Fd
 
     def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:
@@ -227,9 +296,23 @@ class System:
         scatter_any(
             np.ascontiguousarray(K), dofs, self.eqs.free, A.indptr, A.indices, A.data, step, Fd, A.symmetric
         )
+        if self.ties is not None:
+            some = self.ties.rows(nodes)
+            if len(some):
+                self.ties.scatter(self.eqs, A, K[some], nodes[some], columns, step, Fd)
 
-    def _add_mass(self, A: Matrix, step: Floats, Fd: Floats) -> None:
-        scale = self.alpham / (self.beta * self.state.dt**2)
+    def mass_matrix(self) -> Matrix:
+        """The mass in the tangent's pattern: what takes accelerations at the start to forces."""
+        A = self.pattern.matrix()
+        if self.ties is not None:
+            self.ties.aim(self.state, 1.0)
+        self._add_mass(A, np.zeros(self.eqs.n), np.zeros(self.eqs.n), 1.0)
+        return A
+
+    def _add_mass(self, A: Matrix, step: Floats, Fd: Floats, scale: float) -> None:
         for g, M in self.mass.parts:
             for i in range(3):
                 self._add(A, scale * M, g.conn, np.full(g.n, i), step, Fd)
+        if self.bodies is not None:
+            for K, nodes, columns in self.bodies.inertia_tangent(self.state, self):
+                self._add(A, K, nodes, columns, step, Fd)

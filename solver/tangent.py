@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels import biphasic, blocks, pattern, projection, solid, three_field
+from .linear.base import Matrix
 from .pattern import Pattern
 from .state import State
 
@@ -45,9 +46,10 @@ class Workspace:
 class Target:
     """The matrix values under assembly and the prescribed columns times their increments, by matrix row."""
 
-    def __init__(self, pat: Pattern, data: Floats, step: Floats) -> None:
-        self.pat, self.data, self.step = pat, data, step
+    def __init__(self, pat: Pattern, A: Matrix, step: Floats) -> None:
+        self.pat, self.A, self.data, self.step = pat, A, A.data, step
         self.Fd = np.zeros(len(pat.indptr) - 1)
+        self.Fb = np.zeros(pat.eqs.n if pat.ties is not None else 0)  # the ties' share, by equation
         self.lock = Lock()
 
     def add_blocks(self, g: Group, lo: int, hi: int, B: Floats, U: Floats) -> None:
@@ -59,6 +61,20 @@ class Target:
         if contended.any():
             with self.lock:
                 pattern.scatter_upper(lo, hi, contended, B, U, g.conn, back, *rest)
+        if p.ties is not None:
+            rows = p.tied(g, lo, hi)
+            if len(rows):
+                K = np.empty((len(rows), g.columns * g.n, g.columns * g.n))
+                blocks.expand(len(rows), B[rows - lo], U[rows - lo] if len(U) else U, False, K)
+                self._condense(g, rows, K)
+
+    def _condense(self, g: Group, rows: NDArray[np.int64], K: Floats) -> None:
+        """Add matrices K of elements ``rows`` at the masters of tied unknowns."""
+        p = self.pat
+        assert p.ties is not None
+        columns = np.repeat(np.arange(g.columns), g.n)
+        with self.lock:
+            p.ties.scatter(p.eqs, self.A, K, np.tile(g.conn[rows], (1, g.columns)), columns, self.step, self.Fb)
 
     def add(self, g: Group, lo: int, hi: int, K: Floats) -> None:
         """Add full matrices K (hi - lo, c n, c n) of elements lo:hi."""
@@ -68,6 +84,10 @@ class Target:
                 lo, hi, K, g.conn, p.back(g), p.row, p.given, p.lead, p.indptr, self.data, self.step, self.Fd,
                 p.symmetric,
             )  # fmt: skip
+        if p.ties is not None:
+            rows = p.tied(g, lo, hi)
+            if len(rows):
+                self._condense(g, rows, K[rows - lo])
 
 
 @dataclass(slots=True)

@@ -47,19 +47,27 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     domains = {d.block: d for d in model.domains if d.kind == "shell"}
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
+    bodies = rigid.make(ctx)
     common = Step()
     _fill(ctx, common, model.common)
+    if model.discrete:
+        from . import ties
+
+        ties.discrete(ctx, common)
     steps = [_step(ctx, s) for s in model.steps]
-    for s in steps:  # bodies take their nodes from every other condition
-        s.conditions += rigid.conditions(ctx)
+    rigid.check(ctx, [(common, s) for s in steps])
+    if any(s.constraints for s in (common, *steps)):
+        from . import ties
+
+        ties.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
-    if not blocks and not ctx.refused:
+    if not blocks and not bodies and not ctx.refused:
         raise InputError("the model has no solid domain", None)
     if ctx.refused:
         return None, ctx.refused
-    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids), []
+    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies), []
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
@@ -75,9 +83,9 @@ def _whole_sections(ctx: Context) -> None:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
         for c in (*step.contact, *step.constraints, *step.adaptors):
+            if c.tag == "constraint" and c.type == "linear constraint":
+                continue
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
-    for c in m.discrete:
-        ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)
     for c in m.unknown:
         ctx.refuse(f"the section <{c.tag}>", c.where)
 
@@ -95,6 +103,12 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
+    rigid.fill(ctx, out, spec)
+    for c in (*spec.constraints, *spec.boundary):
+        if c.type == "linear constraint":
+            from . import ties
+
+            (ties.constraint if c.tag == "bc" else ties.constraint_set)(ctx, out, c)
 
 
 __all__ = ["lower", "unsupported"]

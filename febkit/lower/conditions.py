@@ -8,7 +8,6 @@ from febkit.model import Component, InputError
 from febkit.model.sets import node_indices
 from febkit.solver.problem import UX, UY, UZ, Fixed, Initial, P, Prescribed
 
-from . import rigid
 from .context import Context
 
 COLUMN = {"x": UX, "y": UY, "z": UZ, "p": P}
@@ -20,8 +19,7 @@ def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Presc
     """Boundary conditions in file order."""
     out: list[Fixed | Prescribed] = []
     for c in specs:
-        if c.type == "rigid":
-            rigid.attach(ctx, c)
+        if c.type in ("rigid", "linear constraint"):  # read by rigid.fill and ties.constraint
             continue
         make = READERS.get(c.type or "")
         if make is None:

@@ -31,6 +31,7 @@ BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "body force": ((), ("force",)),
     "centrifugal": (("angular_speed",), ("rotation_axis", "rotation_center")),
     "mass damping": (("C",), ()),
+    "moving frame": (("wx", "wy", "wz", "ax", "ay", "az"), ()),
 }
 
 
@@ -154,8 +155,10 @@ def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, rela
 def _body(ctx: Context, c: Component, analysis: str) -> Any:
     cls = records.load(c.type or "")
     numbers, vectors = BODY[c.type or ""]
-    ctx.check_tags(c, {*numbers, *vectors})
+    ctx.check_tags(c, {*numbers, *vectors, *({"frame"} if c.type == "moving frame" else ())})
     kw: dict[str, Any] = {n: ctx.value(c.need(n)) for n in numbers if c.child(n) is not None}
+    if c.type == "moving frame":
+        kw["moving"] = c.str("frame", "fixed").strip().lower() in ("moving", "1")
     for n in vectors:
         leaf = c.child(n)
         if leaf is not None:

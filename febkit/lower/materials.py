@@ -237,7 +237,7 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
     if prop.table == "direction":
         return direction(ctx, c, part)
     if prop.table == "curve":
-        return _curve(ctx, c)
+        return curve(ctx, c)
     if prop.table == "energy":
         return _energy(ctx, c)
     if prop.table == "formula":
@@ -283,7 +283,7 @@ class Curve:
         return np.vectorize(self.curve)(x)
 
 
-def _curve(ctx: Context, c: Component) -> Any:
+def curve(ctx: Context, c: Component) -> Any:
     """A function of one variable: constant, linear ramp, step, points or formula."""
     from febkit.solver.controllers import LoadCurve
 

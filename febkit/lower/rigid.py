@@ -1,181 +1,270 @@
-"""Rigid bodies that are led: every degree of freedom held or prescribed, so that their nodes move as told.
-
-A body with a free degree of freedom (a force or a joint may act on it) is refused by name.
-"""
+"""Rigid materials, <Rigid> and <bc type="rigid"> to rigid bodies, their conditions and loads."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import radians
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import Component, InputError
+from febkit.model import Step as ModelStep
 from febkit.model.sets import node_indices
-from febkit.solver import elements
-from febkit.solver.problem import UX, UY, UZ, Prescribed
+from febkit.solver import elements, loads
+from febkit.solver.problem import Attached, Block, Fixed, Initial, Prescribed, Step
 from febkit.solver.values import Constant, Value
 
+from . import shells
 from .context import Context
+from .loads import vector
+
+if TYPE_CHECKING:
+    from febkit.solver.rigid.body import RigidBody
 
 Floats = NDArray[np.float64]
 TYPE = "rigid body"
+DOFS = ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw")
 SHIFT = {"x": 0, "y": 1, "z": 2, "Rx": 0, "Ry": 1, "Rz": 2}
-TURN = {"Ru": 0, "Rv": 1, "Rw": 2, "U": 0, "V": 1, "W": 2}
-MATERIAL = frozenset({"density", "E", "v", "center_of_mass", "override_com"})
-FIXED = frozenset({"rb", *(f"{r}_dof" for r in ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw"))})
+TURN = {"Ru": 3, "Rv": 4, "Rw": 5, "U": 3, "V": 4, "W": 5}
+MATERIAL = frozenset({"name", "density", "E", "v", "center_of_mass", "override_com"})
+FIXED = frozenset({"rb", *(f"{r}_dof" for r in DOFS)})
 GIVEN = frozenset({"rb", "dof", "value", "relative"})
-ZERO = Constant(0.0)
 
 
 @dataclass(eq=False)
 class Body:
-    """A led body: displacement of its centre, and the angle about one axis (None where it does not turn)."""
+    """A body to be: its first material, whose centre counts, and its index."""
 
     spec: Component
-    centre: Floats
-    shift: list[Value | None] = field(default_factory=lambda: [None] * 3)
-    turn: list[Value | None] = field(default_factory=lambda: [None] * 3)
-    nodes: list[NDArray[np.int64]] = field(default_factory=list)
+    index: int
+    blocks: list[tuple[str, str]] = field(default_factory=list)  # (part, material)
 
-    @property
-    def free(self) -> list[str]:
-        names = ("x", "y", "z", "Ru", "Rv", "Rw")
-        return [n for n, v in zip(names, [*self.shift, *self.turn], strict=True) if v is None]
 
-    @property
-    def axis(self) -> int | None:
-        turning = [k for k, v in enumerate(self.turn) if v is not ZERO]
-        return turning[0] if turning else None
+def bodies(ctx: Context) -> dict[str, Body]:
+    """Rigid bodies by the names of their materials; those whose parts share a node are one."""
+    model = ctx.model
+    rigid = [m for m in model.materials if m.type == TYPE]
+    for m in rigid:
+        ctx.check_tags(m, MATERIAL)
+    first = {m.name or "": k for k, m in enumerate(rigid)}
+    seen: dict[int, str] = {}
+    parts = []
+    for d in model.domains:
+        if d.material in first and d.block in ctx.blocks:
+            if d.kind not in ("solid", "shell"):
+                ctx.refuse(f'a rigid {d.kind} (part "{d.block}")', d.where)
+                continue
+            parts.append((d.block, d.material))
+            for n in np.unique(ctx.blocks[d.block].conn).tolist():
+                a, b = first[d.material], first[seen.setdefault(n, d.material)]
+                if a != b:
+                    first = {name: min(a, b) if k in (a, b) else k for name, k in first.items()}
+    order = {k: i for i, k in enumerate(sorted(set(first.values())))}
+    made = {k: Body(rigid[k], i) for k, i in order.items()}
+    for block, material in parts:
+        made[first[material]].blocks.append((block, material))
+    return {name: made[k] for name, k in first.items()}
+
+
+def make(ctx: Context) -> list[RigidBody]:
+    """The bodies, with mass and centre; ``ctx.X`` must be complete."""
+    if not ctx.rigid:
+        return []
+    from febkit.solver.rigid.body import Inert, Part, RigidBody
+
+    named = {m.name: m for m in ctx.model.materials}
+    domains = {d.block: d for d in ctx.model.domains}
+    out = []
+    for body in {b.index: b for b in ctx.rigid.values()}.values():
+        parts, extra = [], []
+        for name, material in body.blocks:
+            mesh = ctx.blocks[name]
+            shell = domains[name].kind == "shell"
+            if mesh.type not in (elements.FACETS if shell else elements.VOLUMES):
+                ctx.refuse(f"element type {mesh.type}", mesh.where)
+                continue
+            law = Inert(density_=ctx.value(named[material].child("density"), 1.0, name))
+            block = Block(name, mesh.type, mesh.conn, mesh.ids, law)
+            parts.append(Part(block, ctx.X, shells.thickness(ctx, domains[name], needed=False) if shell else None))
+            back = ctx.back[np.unique(mesh.conn)]
+            extra.append(back[back >= 0])
+        out.append(RigidBody(body.spec.name or "", parts, _centre(body.spec), extra))
+    ctx.centres = [b.centre for b in out]
+    return out
+
+
+def _centre(spec: Component) -> Floats | None:
+    given, override = spec.child("center_of_mass"), spec.child("override_com")
+    if given is None or (override is not None and not override.as_bool()):
+        return None
+    return np.array(given.as_floats(3))
+
+
+def body(ctx: Context, c: Component, tag: str = "rb") -> int:
+    """Index of the body that a tag names by its material, or by the material's number."""
+    ref = c.need(tag).text.strip()
+    if ref in ctx.rigid:
+        return ctx.rigid[ref].index
+    for k, m in enumerate(ctx.model.materials):
+        if m.type == TYPE and ref == str(m.id or k + 1):
+            return ctx.rigid[m.name or ""].index
+    raise InputError(f'there is no rigid body "{ref}"', c.where)
+
+
+def place(ctx: Context, index: int, dof: int) -> tuple[int, np.ndarray]:
+    """Column and row of an unknown of a body: 0 to 2 its displacement, 3 to 5 its rotation."""
+    return dof % 3, np.array([len(ctx.X) + 2 * index + dof // 3])
+
+
+def fill(ctx: Context, out: Step, spec: ModelStep) -> None:
+    """What a step says of rigid bodies."""
+    for c in spec.boundary:
+        if c.type == "rigid":
+            out.attached.append(_attached(ctx, c))
+    for c in spec.rigid:
+        reader = READERS.get((c.tag, c.type or ""))
+        if c.tag == "rigid_connector":
+            from . import connectors
+
+            connectors.read(ctx, out, c)
+        elif reader is None:
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+        else:
+            reader(ctx, out, c)
+
+
+def _attached(ctx: Context, c: Component) -> Attached:
+    """<bc type="rigid">: the nodes of a set, those of shells with their back faces."""
+    ctx.check_tags(c, {"rb", "clamp_shells"})
+    nodes = node_indices(ctx.model.mesh, c.attrs.get("node_set", ""), c.where)
+    back = ctx.back[nodes]  # FEBio clamps them whatever <clamp_shells> says
+    return Attached(body(ctx, c), np.concatenate([nodes, back[back >= 0]]))
+
+
+def _fixed(ctx: Context, out: Step, c: Component) -> None:
+    ctx.check_tags(c, FIXED)
+    index = body(ctx, c)
+    out.conditions += [Fixed(*place(ctx, index, k)) for k, name in enumerate(DOFS) if c.bool(f"{name}_dof")]
+
+
+def _given(table: dict[str, int]) -> Callable[[Context, Step, Component], None]:
+    def read(ctx: Context, out: Step, c: Component) -> None:
+        ctx.check_tags(c, GIVEN)
+        dof = c.need("dof").text.strip()
+        if dof not in table:
+            raise InputError(f"<dof> must be one of {', '.join(table)}, not {dof!r}", c.where)
+        column, row = place(ctx, body(ctx, c), table[dof])
+        out.conditions.append(Prescribed(column, row, ctx.value(c.child("value"), 0.0), c.bool("relative")))
+
+    return read
 
 
 @dataclass(eq=False)
-class Motion:
-    """One component of u = t + (R - I)(X - c), R the rotation about an axis of the body."""
+class Euler:
+    """A component of the rotation vector of Euler angles in degrees, about x, then y, then z."""
 
-    body: Body
-    column: int
+    angles: tuple[Value, Value, Value]
+    component: int
     constant: bool = False
     steady: bool = False
 
     def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
-        b, k = self.body, self.column
-        shift, axis = b.shift[k], b.axis
-        assert shift is not None
-        u: Floats = np.broadcast_to(shift(t, b.centre[None]), (len(X),)).copy()
-        if axis is None or k == axis:
-            return u
-        turn = b.turn[axis]
-        assert turn is not None
-        angle = float(turn(t, b.centre[None])[0])
-        other = 3 - axis - k
-        sign = 1.0 if (k - axis) % 3 == 2 else -1.0  # axis x component: e_axis x e_other = sign e_k
-        r = X - b.centre
-        turned: Floats = u + (np.cos(angle) - 1.0) * r[:, k] + sign * np.sin(angle) * r[:, other]
-        return turned
+        from febkit.solver.rigid import rotation
+
+        x, y, z = (radians(float(a(t, X)[0])) for a in self.angles)
+        return rotation.vector(rotation.of_euler(x, y, z))[[self.component]]
 
 
-def bodies(ctx: Context) -> dict[str, Body]:
-    """Rigid bodies of the model by the name of their material, led as <Rigid> says."""
-    model = ctx.model
-    out: dict[str, Body] = {}
-    for m in model.materials:
-        if m.type == TYPE:
-            ctx.check_tags(m, MATERIAL | {"name"})
-            out[m.name or ""] = Body(m, np.zeros(3))
-    for d in model.domains:
-        if d.material in out:
-            if d.kind != "solid":
-                ctx.refuse(f'a rigid {d.kind} (part "{d.block}")', d.where)
-            elif d.block in ctx.blocks:
-                out[d.material].nodes.append(np.unique(ctx.blocks[d.block].conn))
-    for name, body in out.items():
-        body.centre = _centre(ctx, body.spec, name)
-    for step in (model.common, *model.steps):
-        for c in step.rigid:
-            _condition(ctx, out, c)
-    if len(model.steps) > 1 and out:
-        late = [c for s in model.steps for c in (*s.rigid, *(q for q in s.boundary if q.type == "rigid"))]
-        for c in late:
-            ctx.refuse(f'<{c.tag} type="{c.type}"> in one of several steps', c.where)
-    for name, body in out.items():
-        if body.free:
-            ctx.refuse(f'rigid body "{name}" with free degrees of freedom ({", ".join(body.free)})', body.spec.where)
-        elif sum(v is not ZERO for v in body.turn) > 1:
-            ctx.refuse(f'rigid body "{name}" that turns about several axes', body.spec.where)
-    return out
+def _rotation_vector(ctx: Context, out: Step, c: Component) -> None:
+    ctx.check_tags(c, {"rb", "vx", "vy", "vz"})
+    index = body(ctx, c)
+    for k, tag in enumerate(("vx", "vy", "vz")):
+        out.conditions.append(Prescribed(*place(ctx, index, 3 + k), ctx.value(c.child(tag), 0.0)))
 
 
-def _centre(ctx: Context, spec: Component, name: str) -> Floats:
-    """Given centre of mass, or that of the body's elements."""
-    given = spec.child("center_of_mass")
-    override = spec.child("override_com")
-    if given is not None and (override is None or override.as_bool()):
-        return np.array(given.as_floats(3))
-    mass, moment = 0.0, np.zeros(3)
-    for d in ctx.model.domains:
-        if d.material != name or d.block not in ctx.blocks:
-            continue
-        mesh = ctx.blocks[d.block]
-        if mesh.type not in elements.VOLUMES:
-            continue
-        e, x = elements.get(mesh.type), ctx.model.mesh.X[mesh.conn]
-        J = np.linalg.det(np.einsum("gai,eaj->egij", e.dN, x)) * e.weights
-        mass += float(J.sum())
-        moment += np.einsum("eg,ga,eai->i", J, e.N, x)
-    return moment / mass if mass else moment
+def _euler(ctx: Context, out: Step, c: Component) -> None:
+    ctx.check_tags(c, {"rb", "Ex", "Ey", "Ez", "convention"})
+    index = body(ctx, c)
+    x, y, z = (ctx.value(c.child(tag), 0.0) for tag in ("Ex", "Ey", "Ez"))
+    out.conditions += [Prescribed(*place(ctx, index, 3 + k), Euler((x, y, z), k)) for k in range(3)]
 
 
-def _body(out: dict[str, Body], ctx: Context, c: Component) -> Body:
-    ref = c.need("rb").text.strip()
-    if ref in out:
-        return out[ref]
-    for k, m in enumerate(ctx.model.materials):
-        if m.type == TYPE and ref == str(m.id or k + 1):
-            return out[m.name or ""]
-    raise InputError(f'there is no rigid body "{ref}"', c.where)
+def _velocity(turn: int) -> Callable[[Context, Step, Component], None]:
+    def read(ctx: Context, out: Step, c: Component) -> None:
+        ctx.check_tags(c, {"rb", "value"})
+        index, v = body(ctx, c), c.need("value").as_floats(3)
+        for k in range(3):
+            out.initial.append(Initial(*place(ctx, index, 3 * turn + k), Constant(v[k]), velocity=True))
+
+    return read
 
 
-def _condition(ctx: Context, out: dict[str, Body], c: Component) -> None:
-    if c.type == "rigid_fixed":
-        ctx.check_tags(c, FIXED)
-        body = _body(out, ctx, c)
-        for name, k in SHIFT.items():
-            if c.bool(f"{name}_dof"):
-                body.shift[k] = ZERO
-        for name, k in TURN.items():
-            if c.bool(f"{name}_dof"):
-                body.turn[k] = ZERO
-        return
-    table = {"rigid_displacement": SHIFT, "rigid_rotation": TURN}.get(c.type or "")
-    if table is None:
-        ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
-        return
-    ctx.check_tags(c, GIVEN)
+def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
+    """Refuse bodies that turn as told about some axes and freely about others, as FEBio does."""
+    for b in {b.index: b for b in ctx.rigid.values()}.values():
+        row = int(place(ctx, b.index, 3)[1][0])
+        for common, step in steps:
+            held = [q for s in (common, step) for q in s.conditions if row in q.nodes]
+            given = {q.column for q in held if isinstance(q, Prescribed)}
+            if given and len({q.column for q in held}) < 3:
+                ctx.refuse(
+                    f'rigid body "{b.spec.name}" that turns as prescribed about some axes and freely about others',
+                    b.spec.where,
+                )
+                break
+
+
+def _load(ctx: Context, c: Component, known: set[str], **fields: Any) -> Any:
+    ctx.check_tags(c, {"rb", *known})
+    index = body(ctx, c)
+    return loads.load(c.type or "")(index, len(ctx.X) + 2 * index, **fields)
+
+
+def _force(ctx: Context, out: Step, c: Component) -> None:
+    """A force along, or a moment about, an axis; FEBio's TARGET, from the reaction, is not there."""
+    table = {"rigid_force": {k: v for k, v in SHIFT.items() if k in DOFS}, "rigid_moment": TURN}[c.type or ""]
     dof = c.need("dof").text.strip()
     if dof not in table:
         raise InputError(f"<dof> must be one of {', '.join(table)}, not {dof!r}", c.where)
-    body = _body(out, ctx, c)
-    (body.shift if c.type == "rigid_displacement" else body.turn)[table[dof]] = ctx.value(c.child("value"), 0.0)
+    kind = c.str("load_type", "LOAD").strip().upper() or "LOAD"
+    kind = {"0": "LOAD", "1": "FOLLOW", "2": "TARGET"}.get(kind, kind)
+    if kind == "TARGET" or (kind == "FOLLOW" and c.type == "rigid_moment"):
+        ctx.refuse(f'<load_type>{kind}</load_type> of <{c.tag} type="{c.type}">', c.need("load_type").where)
+        return
+    if c.bool("relative"):
+        ctx.refuse(f'<relative> of <{c.tag} type="{c.type}">', c.need("relative").where)
+    fields = {"axis": table[dof] % 3, "value": ctx.value(c.child("value"), 0.0)}
+    if c.type == "rigid_force":
+        fields["follow"] = kind == "FOLLOW"
+    out.loads.append(_load(ctx, c, {"dof", "value", "load_type", "relative"}, **fields))
 
 
-def attach(ctx: Context, c: Component) -> None:
-    """<bc type="rigid">: the nodes of a set belong to a body, those of shells with their back faces."""
-    ctx.check_tags(c, {"rb", "clamp_shells"})
-    body = _body(ctx.rigid, ctx, c)
-    nodes = node_indices(ctx.model.mesh, c.attrs.get("node_set", ""), c.where)
-    body.nodes.append(nodes)
-    clamp = c.child("clamp_shells")
-    if clamp is None or clamp.as_bool():
-        back = ctx.back[nodes]
-        body.nodes.append(back[back >= 0])
+def _follower_force(ctx: Context, out: Step, c: Component) -> None:
+    load = _load(ctx, c, {"insertion", "force", "relative"}, given=vector(ctx, c.need("force")))
+    leaf = c.child("insertion")
+    load.arm = np.array(leaf.as_floats(3)) if leaf is not None else np.zeros(3)
+    if not c.bool("relative"):
+        load.arm -= ctx.centres[load.body]
+    out.loads.append(load)
 
 
-def conditions(ctx: Context) -> list[Prescribed]:
-    """The motions of all led bodies' nodes."""
-    out = []
-    for body in ctx.rigid.values():
-        if body.nodes and not body.free:
-            nodes = np.unique(np.concatenate(body.nodes))
-            out += [Prescribed(k, nodes, Motion(body, k), rigid=True) for k in (UX, UY, UZ)]
-    return out
+def _follower_moment(ctx: Context, out: Step, c: Component) -> None:
+    out.loads.append(_load(ctx, c, {"moment"}, given=vector(ctx, c.need("moment"))))
+
+
+READERS: dict[tuple[str, str], Callable[[Context, Step, Component], Any]] = {
+    ("rigid_bc", "rigid_fixed"): _fixed,
+    ("rigid_bc", "rigid_displacement"): _given(SHIFT),
+    ("rigid_bc", "rigid_rotation"): _given(TURN),
+    ("rigid_bc", "rigid_rotation_vector"): _rotation_vector,
+    ("rigid_bc", "rigid_euler_angles"): _euler,
+    ("rigid_load", "rigid_force"): _force,
+    ("rigid_load", "rigid_moment"): _force,
+    ("rigid_load", "rigid_follower_force"): _follower_force,
+    ("rigid_load", "rigid_follower_moment"): _follower_moment,
+    ("rigid_ic", "initial_rigid_velocity"): _velocity(0),
+    ("rigid_ic", "initial_rigid_angular_velocity"): _velocity(1),
+}

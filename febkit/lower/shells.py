@@ -43,8 +43,11 @@ def rule(spec: Component | None) -> str | None:
     return name[name.rindex("G"):] if "G" in name else None
 
 
-def thickness(ctx: Context, d: Domain) -> np.ndarray:
-    """Thickness (element, node) of a shell domain: <shell_thickness>, then element data over it."""
+def thickness(ctx: Context, d: Domain, needed: bool = True) -> np.ndarray:
+    """Thickness (element, node) of a shell domain: <shell_thickness>, then element data over it.
+
+    ``needed``: it must be positive.
+    """
     block = ctx.blocks[d.block]
     out = np.full(block.conn.shape, d.spec.float("shell_thickness", 0.0) if d.spec is not None else 0.0)
     order = {int(i): k for k, i in enumerate(block.ids)}
@@ -60,7 +63,7 @@ def thickness(ctx: Context, d: Domain) -> np.ndarray:
             k = order.get(int(ids[lid - 1]))
             if k is not None:
                 out[k] = row
-    if not (out > 0).all():
+    if needed and not (out > 0).all():
         e = int(block.ids[int(np.argmax((out <= 0).any(axis=1)))])
         where = f"shell element {e} of part \"{d.block}\""
         raise InputError(f"{where} has no thickness; give <shell_thickness>", d.where)

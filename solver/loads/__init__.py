@@ -18,12 +18,18 @@ TYPES = {
     "nodal_force": "nodal",
     "nodal_target_force": "nodal",
     "nodal fluidflux": "nodal",
+    # rigid bodies
+    "rigid_force": "rigid",
+    "rigid_moment": "rigid",
+    "rigid_follower_force": "rigid",
+    "rigid_follower_moment": "rigid",
     # body loads
     "body force": "body_force",
     "const": "body_force",
     "non-const": "body_force",
     "centrifugal": "centrifugal",
     "mass damping": "mass_damping",
+    "moving frame": "moving_frame",
 }
 _classes: dict[str, Any] = {}
 

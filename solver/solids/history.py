@@ -31,7 +31,7 @@ def begin(root: Solid, pts: Points) -> Floats:
     """The converged state ``pts.old`` with room for the coming step.
 
     Call once per step with all points of a block before its first evaluation; give every evaluation of
-    the step the array returned as ``old``, and one of the same shape as ``new``. Columns move when a
+    the step the array returned as ``old``, and as ``new`` one that starts as a copy of it. Columns move when a
     record's memory grows.
     """
     old = pts.old

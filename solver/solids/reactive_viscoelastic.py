@@ -100,6 +100,19 @@ class _Bonds:
             return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
         return np.abs(np.log(det(F)))
 
+    def _begun(self, pts: Points) -> Any:
+        """Where an earlier evaluation of the step began a generation: it stays, though the strain has come back.
+
+        Without this a point at the threshold gains and loses its generation from one iteration to the next.
+        """
+        if pts.new is None:
+            return np.zeros(pts.n, bool)
+        at, h = self.offset, self.history  # type: ignore[attr-defined]
+        new = pts.new[:, at : at + h]
+        births = new[:, _HEAD:].reshape(pts.n, self.capacity, _EACH)[:, :, _V]
+        last = np.maximum(new[:, 0] - 1, 0).astype(int)
+        return (new[:, 0] > 0) & (births[np.arange(pts.n), last] == pts.t)
+
     def _slack(self, pts: Points, law: Law) -> Any:
         """Where both parts are fibers that bear no load, no generation starts."""
         families = (Fiber, UncoupledFiber)
@@ -128,6 +141,7 @@ class _Bonds:
             born &= self._reforming(pts, gen, count, rate) >= wmin
         born &= self._changed(pts.F, gen, count) > eps
         born &= ~self._slack(pts, strong)
+        born |= self._begun(pts)
         who = np.flatnonzero(born)
         if len(who):
             self._begin(pts, gen, count, rate, who)

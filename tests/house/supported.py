@@ -12,7 +12,10 @@ START, END = "<!-- supported: start -->", "<!-- supported: end -->"
 def lists() -> str:
     """Markdown of what the solver knows."""
     from febkit.lower.conditions import READERS
+    from febkit.lower.connectors import KINDS
     from febkit.lower.materials import UNPROVEN
+    from febkit.lower.rigid import READERS as RIGID
+    from febkit.lower.ties import LAWS
     from febkit.solver import elements, loads, permeabilities, supplies
     from febkit.solver.solids.registry import tables
 
@@ -21,7 +24,9 @@ def lists() -> str:
         "permeabilities": sorted(permeabilities.TYPES),
         "solvent supplies": sorted(supplies.TYPES),
         "loads": sorted(loads.TYPES),
-        "boundary conditions": sorted(READERS),
+        "boundary conditions": sorted([*READERS, "linear constraint", "rigid"]),
+        "rigid bodies": sorted({kind for _, kind in RIGID} | set(KINDS)),
+        "springs": sorted(LAWS),
         "elements": list(elements.VOLUMES),
         "shells": [s.removeprefix("shell_") for s in elements.SHELLS],
     }

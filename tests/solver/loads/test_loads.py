@@ -255,6 +255,8 @@ BODY = {
         "angular_speed": 1.3, "rotation_axis": (0.0, 0.6, 0.8), "rotation_center": (0.1, 0.0, 0.0),
     },
     "mass damping": {"C": 0.7},
+    "moving frame": {"wx": 0.7, "wy": -0.4, "wz": 1.1, "ax": 0.3},
+    "moving frame, of its own": {"wx": 0.7, "wy": -0.4, "wz": 1.1, "az": 0.3, "moving": True},
     "body force": {"given": (1.0, VARYING, -2.0)},
 }
 
@@ -265,9 +267,23 @@ BODY = {
 def test_body_tangent_by_finite_difference(name: str, kind: str, mixture: Any) -> None:
     s = state(elements.get(kind).natural.copy(), 3)
     g, update = group(kind, s, mixture)
-    load = loads.load(name)(**BODY[name])
+    load = loads.load(name.partition(",")[0])(**BODY[name])
+    if hasattr(load, "begin_step"):
+        load.begin_step(s)
     exact = measured(load, s, update, ([g],))
     np.testing.assert_allclose(assembled(load, s, [g]), exact, atol=1e-7)
+
+
+def test_a_frame_that_turns_steadily_pulls_outwards() -> None:
+    """In the second step, and again where the step is tried again, its angular velocity no longer changes."""
+    s = state(elements.get("hex8").natural.copy(), 3)
+    s.velocity[:] = 0.0
+    frame, pull = loads.load("moving frame")(wz=1.3), loads.load("centrifugal")(angular_speed=1.3)
+    for s.time, again in ((DT, False), (2 * DT, False), (2 * DT, True)):
+        frame.begin_step(s)
+        g, _ = group("hex8", s)
+        same = np.allclose(forces(frame, s, [g]), forces(pull, s, [g]))
+        assert same == (s.time > DT), again
 
 
 def test_weight() -> None:

@@ -17,7 +17,7 @@ def walk(solid, path, dt):
     for k, F in enumerate(path, 1):
         pts = Points.at(F[None], t=k * dt, dt=dt, old=old)
         pts.old = history.begin(solid, pts)
-        pts.new = np.empty_like(pts.old)
+        pts.new = pts.old.copy()
         out.append(evaluate(solid, pts, False)[0][0])
         old = pts.new
     return np.array(out)
@@ -44,6 +44,26 @@ def test_step_relaxes_by_the_relaxation_function():
         rest = evaluate(neo_hookean(), Points.at(np.diag([1.1, 1.0, 1.0])[None]), False)[0][0]
         expected = rest[None] * (1.0 + g(0.2 * np.arange(12)))[:, None]
         np.testing.assert_allclose(s, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_a_generation_begun_in_a_step_stays_though_the_strain_comes_back():
+    relaxation = load("relaxation", "relaxation-exponential")(tau=0.7)
+    solid = load("solid", "reactive viscoelastic")(
+        elastic=neo_hookean(), bond=neo_hookean(), relaxation=relaxation, emin=0.01
+    )
+    pts = Points.at(np.diag([1.1, 1.0, 1.0])[None], t=0.2, dt=0.2)
+    pts.old = history.begin(solid, pts)
+    pts.new = pts.old.copy()
+    evaluate(solid, pts, False)
+    far, near = np.diag([1.1 + 0.02, 1.0, 1.0])[None], np.diag([1.1 + 0.001, 1.0, 1.0])[None]
+    later = Points.at(near, t=0.4, dt=0.2, old=history.begin(solid, Points.at(near, old=pts.new)))
+    later.new = later.old.copy()
+    evaluate(solid, later, False)
+    assert later.new[0, 0] == 1.0  # below the threshold
+    for F, J in ((far, 1.12), (near, 1.101)):  # two iterations of one step
+        later.F, later.J = F, np.array([J])
+        evaluate(solid, later, False)
+        assert later.new[0, 0] == 2.0
 
 
 def test_generations_outgrow_their_room():

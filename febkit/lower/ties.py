@@ -1,0 +1,136 @@
+"""Springs of <Discrete>, <bc type="linear constraint"> and <constraint type="linear constraint">."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from febkit.model import Component, InputError
+from febkit.solver.loads import springs
+from febkit.solver.problem import Step
+from febkit.solver.ties import LinearConstraint
+
+from .conditions import COLUMN
+from .context import Context
+from .materials import curve
+
+#: law of a discrete material -> class, and tags of numbers
+LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "linear spring": (springs.LinearSprings, ("E",)),
+    "tension-only linear spring": (springs.LinearSprings, ("E",)),
+    "nonlinear spring": (springs.NonlinearSprings, ("scale",)),
+    "Hill": (springs.HillMuscles, ("Vmax", "ac", "Fmax", "Ksh", "Lmax")),
+}
+METHODS = {"PENALTY": 0, "AUGLAG": 1, "LAGMULT": 2}
+
+
+def discrete(ctx: Context, out: Step) -> None:
+    """Springs act in every step."""
+    materials: dict[str, Component] = {}
+    for c in ctx.model.discrete:
+        if c.tag == "discrete_material":
+            materials[str(c.id or len(materials) + 1)] = c
+    for c in ctx.model.discrete:
+        if c.tag == "discrete":
+            _springs(ctx, out, c, materials)
+        elif c.tag != "discrete_material":
+            ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)
+
+
+def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Component]) -> None:
+    name, number = c.attrs.get("discrete_set", ""), c.attrs.get("dmat", "")
+    if name not in ctx.model.mesh.discrete_sets:
+        raise InputError(f'there is no discrete set "{name}"', c.where)
+    if number not in materials:
+        raise InputError(f'there is no discrete material "{number}"', c.where)
+    m = materials[number]
+    if m.type not in LAWS:
+        ctx.refuse(f'<{m.tag} type="{m.type}">', m.where)
+        return
+    cls, numbers = LAWS[m.type]
+    pairs = np.asarray(ctx.model.mesh.discrete_sets[name].pairs, np.int64)
+    x = ctx.X[pairs]
+    kw: dict[str, Any] = {t: ctx.value(m.child(t)) for t in numbers if m.child(t) is not None}
+    known: set[str] = {"name", *numbers}
+    if m.type == "tension-only linear spring":
+        kw["tension_only"] = True
+    if cls is springs.NonlinearSprings:
+        known |= {"measure", "force"}
+        measure = m.str("measure", "elongation")
+        kw["measure"] = {"0": "elongation", "1": "strain", "2": "stretch"}.get(measure, measure)
+        kw["force"] = curve(ctx, m.need("force"))
+    elif cls is springs.HillMuscles:
+        known |= {"L0", "Sv", "Ftl", "Fvl"}
+        kw["L0"] = m.float("L0", 0.0)
+        kw |= {t: curve(ctx, m.need(t)) for t in ("Sv", "Ftl", "Fvl") if m.child(t) is not None}
+    ctx.check_tags(m, known)
+    out.loads.append(cls(pairs, np.linalg.norm(x[:, 1] - x[:, 0], axis=1), **kw))
+
+
+def _place(ctx: Context, c: Component, node: str, dof: str) -> tuple[int, int]:
+    """Node and column of an unknown named by the node's id."""
+    found = np.flatnonzero(ctx.model.mesh.node_ids == int(node))
+    if not len(found):
+        raise InputError(f"there is no node {node}", c.where)
+    n = int(found[0])
+    if dof in ("sx", "sy", "sz"):
+        n, dof = int(ctx.back[n]), dof[1]
+    if dof not in COLUMN or (dof == "p" and ctx.model.module != "biphasic"):
+        raise InputError(f"a linear constraint cannot act on {dof!r}", c.where)
+    return n, COLUMN[dof]
+
+
+def constraint(ctx: Context, out: Step, c: Component) -> None:
+    """<bc type="linear constraint">: an unknown that is a sum of others."""
+    ctx.check_tags(c, {"node", "dof", "offset", "child_dof"})
+    node, column = _place(ctx, c, c.need("node").text.strip(), c.need("dof").text.strip())
+    places, values = [], []
+    for q in c:
+        if q.tag == "child_dof":
+            ctx.check_tags(q, {"node", "dof", "value"})
+            places.append(_place(ctx, q, q.need("node").text.strip(), q.need("dof").text.strip()))
+            values.append(ctx.value(q.child("value"), 1.0))
+    if not places:
+        raise InputError(f'<{c.tag} type="{c.type}"> has no <child_dof>', c.where)
+    nodes, columns = np.array(places).T
+    out.constraints.append(LinearConstraint(node, column, nodes, columns, tuple(values), c.float("offset", 0.0)))
+
+
+def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
+    """No unknown that hangs on others may have others hang on it; nor may it be a rigid body's."""
+    for common, step in steps:
+        records = [*common.constraints, *step.constraints]
+        tied = {(r.node, r.column) for r in records}
+        carried = {int(n) for s in (common, step) for a in s.attached for n in a.nodes}
+        for r in records:
+            ends = set(zip(r.nodes.tolist(), r.columns.tolist()))
+            if ends & tied or {n for n, _ in {*ends, (r.node, r.column)}} & carried:
+                label = ctx.model.mesh.node_ids[r.node] if r.node < len(ctx.model.mesh.X) else "at the back of a shell"
+                ctx.refuse(f"a linear constraint (of node {label}) of unknowns that hang on others themselves")
+
+
+def constraint_set(ctx: Context, out: Step, c: Component) -> None:
+    """<constraint type="linear constraint">: sums of unknowns that vanish, by penalty or augmented Lagrangian."""
+    known = {"laugon", "tol", "penalty", "rhs", "minaug", "maxaug", "linear_constraint"}
+    ctx.check_tags(c, known)
+    text = c.str("laugon", "AUGLAG").strip().upper()
+    method = METHODS[text] if text in METHODS else int(text)
+    if method == 2:
+        ctx.refuse(f'<laugon>LAGMULT</laugon> of <{c.tag} type="{c.type}">', c.need("laugon").where)
+        return
+    rows = []
+    for q in c:
+        if q.tag == "linear_constraint":
+            ends = [n for n in q if n.tag == "node"]
+            rows.append([(*_place(ctx, n, str(n.id), n.attrs.get("bc", "")), n.as_float()) for n in ends])
+    width = max(map(len, rows), default=0)
+    nodes, columns = (np.full((len(rows), width), k, np.int64) for k in (-1, 0))
+    a = np.zeros((len(rows), width))
+    for i, row in enumerate(rows):
+        for j, (n, k, v) in enumerate(row):
+            nodes[i, j], columns[i, j], a[i, j] = n, k, v
+    out.loads.append(springs.ConstraintSet(
+        nodes, columns, a, c.float("penalty", 1.0), c.float("tol", 0.1), c.float("rhs", 0.0),
+        c.int("minaug", 0), c.int("maxaug", 50), method,
+    ))  # fmt: skip

@@ -1,0 +1,85 @@
+"""Inertia seen from a frame that turns and accelerates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ..rigid import rotation
+from ..values import as_value
+from . import register
+from .base import Floats, Number
+from .body import BodyLoad, Group, positions, velocities
+
+if TYPE_CHECKING:
+    from ..state import State
+
+ORIGIN = np.zeros((1, 3))
+
+
+@dataclass(slots=True)
+class _Frame:
+    """At one time: orientation, angular velocity (of the fixed frame, or of the moving one)."""
+
+    time: float
+    q: Floats
+    w: Floats
+
+
+@dataclass(eq=False)
+class MovingFrame(BodyLoad):
+    """a = -(A + W' x r + W x (W x r) + 2 W x v), in the moving frame. FEBio User Manual, "Moving Frame".
+
+    The angular velocity w is given in the fixed frame, or in the moving one where ``moving``; A is that of the origin,
+    given in the fixed frame. The frame turns by backward Euler, q' = w q / 2.
+    """
+
+    wx: Number = 0.0
+    wy: Number = 0.0
+    wz: Number = 0.0
+    ax: Number = 0.0
+    ay: Number = 0.0
+    az: Number = 0.0
+    moving: bool = False
+    moves: ClassVar[bool] = True
+    symmetric: ClassVar[bool] = False
+    _before: _Frame | None = field(default=None, init=False, repr=False)
+    _now: _Frame | None = field(default=None, init=False, repr=False)
+
+    def begin_step(self, state: State) -> None:
+        """Turn the frame over the step, from where it was as the step began (again, where the step is tried again)."""
+        start = state.time - state.dt
+        if self._now is None or start <= 0.0:
+            self._before = _Frame(start, np.array(rotation.IDENTITY), np.zeros(3))
+        elif abs(self._now.time - start) <= 1e-9 * abs(state.time):
+            self._before = self._now
+        before = self._before
+        assert before is not None
+        w = self._numbers(state.time, self.wx, self.wy, self.wz)
+        spin = np.append(w, 0.0)
+        rate = rotation.product(before.q, spin) if self.moving else rotation.product(spin, before.q)
+        self._now = _Frame(state.time, rotation.unit(before.q + 0.5 * state.dt * rate), w)
+        turn = rotation.matrix(self._now.q).T
+        W, dW = w, (w - before.w) / state.dt
+        if not self.moving:
+            W, dW = turn @ W, turn @ dW
+        self._W, self._dW = rotation.skew(W), rotation.skew(dW)
+        self._A = turn @ self._numbers(state.time, self.ax, self.ay, self.az)
+
+    @staticmethod
+    def _numbers(t: float, *values: Number) -> Floats:
+        return np.array([float(as_value(v)(t, ORIGIN)[0]) for v in values])
+
+    def acceleration(self, state: State, group: Group) -> Floats:
+        if self._now is None:  # forces at the start of a dynamic analysis: the frame is at rest
+            return np.zeros((1, 3))
+        r, v = positions(state, group), velocities(state, group)
+        return np.asarray(-(self._A + r @ (self._dW + self._W @ self._W).T + 2.0 * v @ self._W.T))
+
+    def gradient(self, state: State, group: Group, rate: float) -> Floats:
+        return np.asarray(-(self._dW + self._W @ self._W + 2.0 * rate * self._W))[None]
+
+
+register(MovingFrame, "moving frame")

@@ -1,0 +1,123 @@
+"""Forces and moments on rigid bodies. FEBio user manual, "Rigid loads"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..rigid import rotation
+from ..values import as_value
+from . import register
+from .base import Floats, Ints, Matrices, Number, Vector, as_vector, vector
+
+if TYPE_CHECKING:
+    from ..state import State
+
+ORIGIN = np.zeros((1, 3))
+
+
+def _numbers(v: Vector, t: float) -> Floats:
+    return vector(as_vector(v), t, ORIGIN, np.zeros(1, int))[0]
+
+
+@dataclass(eq=False)
+class RigidLoad:
+    """``body``: index; ``row``: its first row. The force is row 0's, the moment row 1's."""
+
+    body: int
+    row: int
+    symmetric: ClassVar[bool] = True
+
+    def cliques(self) -> list[Ints]:
+        return []
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        return []
+
+    def _turn(self, state: State) -> Floats:
+        return rotation.matrix(state.extra["q"][self.body])
+
+    def _mean(self, state: State, alpha: float) -> Floats:
+        """The rotation between the last step (alpha 0) and the present (1)."""
+        Q = self._turn(state)
+        return Q if alpha == 1.0 else alpha * Q + (1 - alpha) * rotation.matrix(state.extra["q_old"][self.body])
+
+
+@dataclass(eq=False)
+class RigidForce(RigidLoad):
+    """A force along an axis, which turns with the body where ``follow``."""
+
+    axis: int = 0
+    value: Number = 0.0
+    follow: bool = False
+
+    def _force(self, state: State) -> Floats:
+        f = np.zeros(3)
+        f[self.axis] = float(as_value(self.value)(state.time, ORIGIN)[0])
+        return self._turn(state) @ f if self.follow else f
+
+    def residual(self, state: State, R: Floats) -> None:
+        R[self.row, :3] += self._force(state)
+
+
+@dataclass(eq=False)
+class RigidMoment(RigidLoad):
+    """A moment about an axis."""
+
+    axis: int = 0
+    value: Number = 0.0
+
+    def residual(self, state: State, R: Floats) -> None:
+        R[self.row + 1, self.axis] += float(as_value(self.value)(state.time, ORIGIN)[0])
+
+
+@dataclass(eq=False)
+class RigidFollowerForce(RigidLoad):
+    """A force at a point Z from the centre, both turning with the body: f = Q f0, m = Q Z x f."""
+
+    arm: Floats = field(default_factory=lambda: np.zeros(3))
+    given: Vector = (0.0, 0.0, 0.0)
+    alpha: float = 1.0
+    symmetric: ClassVar[bool] = False
+
+    def residual(self, state: State, R: Floats) -> None:
+        Q = self._mean(state, self.alpha)
+        f, z = Q @ _numbers(self.given, state.time), Q @ self.arm
+        R[self.row, :3] += f
+        R[self.row + 1, :3] += np.cross(z, f)
+
+    def cliques(self) -> list[Ints]:
+        return [np.array([[self.row, self.row + 1]])]
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        a, Q, mean = self.alpha, self._turn(state), self._mean(state, self.alpha)
+        given, K = _numbers(self.given, state.time), np.zeros((1, 6, 6))
+        f, z = Q @ given, Q @ self.arm
+        K[0, :3, 3:] = a * rotation.skew(f)
+        fm, zm = rotation.skew(mean @ given), rotation.skew(mean @ self.arm)
+        K[0, 3:, 3:] = a * (zm @ rotation.skew(f) - fm @ rotation.skew(z))
+        return [(K, np.array([[self.row] * 3 + [self.row + 1] * 3]), np.tile(np.arange(3), 2))]
+
+
+@dataclass(eq=False)
+class RigidFollowerMoment(RigidLoad):
+    """A moment that turns with the body."""
+
+    given: Vector = (0.0, 0.0, 0.0)
+    alpha: float = 1.0
+    symmetric: ClassVar[bool] = False
+
+    def residual(self, state: State, R: Floats) -> None:
+        R[self.row + 1, :3] += self._mean(state, self.alpha) @ _numbers(self.given, state.time)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        K = self.alpha * rotation.skew(self._turn(state) @ _numbers(self.given, state.time))[None]
+        return [(K, np.array([[self.row + 1] * 3]), np.arange(3))]
+
+
+register(RigidForce, "rigid_force")
+register(RigidMoment, "rigid_moment")
+register(RigidFollowerForce, "rigid_follower_force")
+register(RigidFollowerMoment, "rigid_follower_moment")

@@ -1,0 +1,198 @@
+"""Springs between pairs of nodes, and constraints of nodal unknowns held by penalty.
+
+A spring pulls its first node by F along the line to the second. FEBio user manual, "Discrete"; theory manual,
+"Discrete element library".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..values import as_value
+from .base import Floats, Ints, Matrices, Number
+
+if TYPE_CHECKING:
+    from ..state import State
+
+ORIGIN = np.zeros((1, 3))
+Curve = Callable[[Floats], Floats]
+STEP = 1e-7  # of the measure, in slopes of curves
+
+
+def slope(f: Curve, x: Floats) -> Floats:
+    """f' by central differences."""
+    h = STEP * np.maximum(1.0, np.abs(x))
+    return np.asarray((f(x + h) - f(x - h)) / (2.0 * h))
+
+
+@dataclass(eq=False)
+class Springs:
+    """Springs ``nodes`` (m, 2) of one law; ``rest`` (m,) their lengths in the reference."""
+
+    nodes: Ints
+    rest: Floats
+    symmetric: ClassVar[bool] = True
+
+    @property
+    def joins(self) -> Ints:
+        """Nodes that have unknowns for the springs' sake."""
+        return np.unique(self.nodes)
+
+    def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        """Force (m,) at lengths L and their rates, its derivatives by both."""
+        raise NotImplementedError
+
+    def cliques(self) -> list[Ints]:
+        return [self.nodes]
+
+    def _line(self, state: State) -> tuple[Floats, Floats, Floats, Floats]:
+        """Lengths, directions (m, 3), rates of length, and rates of the line (m, 3)."""
+        x = state.x[self.nodes]
+        r = x[:, 1] - x[:, 0]
+        old = (state.X + state.d_old[:, :3])[self.nodes]
+        v = (r - old[:, 1] + old[:, 0]) / state.dt if state.dt > 0 else np.zeros_like(r)
+        L = np.linalg.norm(r, axis=1)
+        e = r / np.where(L > 0, L, 1.0)[:, None]
+        return L, e, (v * e).sum(axis=1), v
+
+    def residual(self, state: State, R: Floats) -> None:
+        L, e, rate, _ = self._line(state)
+        f = self.law(L, rate, state.time)[0][:, None] * e
+        np.add.at(R, (self.nodes[:, 0, None], np.arange(3)), f)
+        np.add.at(R, (self.nodes[:, 1, None], np.arange(3)), -f)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        """A = dF/dr: F' e e + F / L (1 - e e), and dF/drate e (e / dt + (v - rate e) / L)."""
+        L, e, rate, v = self._line(state)
+        F, dL, dv = self.law(L, rate, state.time)
+        along = np.einsum("mi,mj->mij", e, e)
+        over = np.where(L > 0, F / np.where(L > 0, L, 1.0), 0.0)[:, None, None]
+        A = dL[:, None, None] * along + over * (np.eye(3) - along)
+        if dv.any():
+            turn = e / state.dt + (v - rate[:, None] * e) / np.where(L > 0, L, 1.0)[:, None]
+            A += dv[:, None, None] * np.einsum("mi,mj->mij", e, turn)
+        K = np.block([[A, -A], [-A, A]])
+        return [(K, np.repeat(self.nodes, 3, axis=1), np.tile(np.arange(3), 2))]
+
+
+@dataclass(eq=False)
+class LinearSprings(Springs):
+    """F = E (L - L0), in tension alone where ``tension_only``."""
+
+    E: Number = 1.0
+    tension_only: bool = False
+
+    def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        E = as_value(self.E)(t, ORIGIN) * np.where((self.rest <= L) | (not self.tension_only), 1.0, 0.0)
+        return E * (L - self.rest), E, np.zeros_like(L)
+
+
+@dataclass(eq=False)
+class NonlinearSprings(Springs):
+    """F = scale f(s), s the elongation L - L0, the strain (L - L0) / L0 or the stretch L / L0."""
+
+    force: Curve = field(default=lambda s: s)
+    scale: Number = 1.0
+    measure: str = "elongation"
+
+    def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        k = as_value(self.scale)(t, ORIGIN)
+        per = np.ones_like(L) if self.measure == "elongation" else 1.0 / self.rest
+        s = L * per if self.measure == "stretch" else (L - self.rest) * per
+        return k * self.force(s), k * slope(self.force, s) * per, np.zeros_like(L)
+
+
+@dataclass(eq=False)
+class HillMuscles(Springs):
+    """F = Fmax (passive(l) + ac Ftl(l) Fvl(V)), l = L / L0, V = rate / (Vmax Sv(ac)).
+
+    passive = (exp(Ksh (l - 1) / Lmax) - 1) / (exp(Ksh) - 1) where l > 1.
+    """
+
+    Vmax: Number = 1.0
+    ac: Number = 0.0
+    Fmax: Number = 1.0
+    Ksh: Number = 1.0
+    Lmax: Number = 1.0
+    L0: float = 0.0
+    Sv: Curve | None = None
+    Ftl: Curve | None = None
+    Fvl: Curve | None = None
+    symmetric: ClassVar[bool] = False
+
+    def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        fastest, ac, most, shape, longest = (
+            float(as_value(v)(t, ORIGIN)[0]) for v in (self.Vmax, self.ac, self.Fmax, self.Ksh, self.Lmax)
+        )
+        rest = np.full_like(L, self.L0) if self.L0 else self.rest
+        one = np.ones_like(L)
+        if self.Sv is not None:
+            fastest *= float(self.Sv(np.array([ac]))[0])
+        l, V = L / rest, rate / fastest
+        grown, whole = np.exp(shape * (l - 1.0) / longest), np.exp(shape) - 1.0
+        passive = np.where(l > 1.0, most * (grown - 1.0) / whole, 0.0)
+        stiff = np.where(l > 1.0, most / whole * shape / longest * grown, 0.0)
+        tl, dtl = (self.Ftl(l), slope(self.Ftl, l)) if self.Ftl else (one, 0.0 * one)
+        vl, dvl = (self.Fvl(V), slope(self.Fvl, V)) if self.Fvl else (one, 0.0 * one)
+        return passive + ac * most * tl * vl, (stiff + ac * most * dtl * vl) / rest, ac * most * tl * dvl / fastest
+
+
+@dataclass(eq=False)
+class ConstraintSet:
+    """Sums of coefficients x unknowns that must vanish, by penalty: f_i = -(lambda + eps c) a_i.
+
+    Each row of ``nodes``, ``columns``, ``coefficients`` is a constraint, padded with node -1 and coefficient 0.
+    FEBio user manual, "Linear constraints" (its rhs counts in the multipliers alone).
+    """
+
+    nodes: Ints
+    columns: Ints
+    coefficients: Floats
+    penalty: float = 1.0
+    tolerance: float = 0.1
+    rhs: float = 0.0
+    minaug: int = 0
+    maxaug: int = 50
+    laugon: int = 1
+    symmetric: ClassVar[bool] = True
+    _state: State | None = field(default=None, init=False, repr=False)
+
+    def cliques(self) -> list[Ints]:
+        return [self.nodes]
+
+    def _multipliers(self, state: State) -> Floats:
+        """Kept with the state, for a step that fails."""
+        self._state = state
+        return state.extra.setdefault(f"constraints {id(self)}", np.zeros(len(self.nodes)))
+
+    def _sums(self, state: State) -> Floats:
+        u = state.d[np.maximum(self.nodes, 0), self.columns]
+        return np.asarray((self.coefficients * u).sum(axis=1))
+
+    def residual(self, state: State, R: Floats) -> None:
+        f = self._multipliers(state) + self.penalty * self._sums(state)
+        np.add.at(R, (np.maximum(self.nodes, 0), self.columns), -f[:, None] * self.coefficients)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        out: Matrices = []
+        for n, c, a in zip(self.nodes, self.columns, self.coefficients, strict=True):
+            on = n >= 0
+            out.append((self.penalty * np.outer(a[on], a[on])[None], n[on][None], c[on]))
+        return out
+
+    def augment(self, done: int) -> bool:
+        """Renew the multipliers; True where their norm has settled."""
+        if self.laugon == 0 or self._state is None:
+            return True
+        old = self._multipliers(self._state)
+        new = old + self.penalty * (self._sums(self._state) - self.rhs)
+        n0, n1 = float(np.linalg.norm(old)), float(np.linalg.norm(new))
+        good = abs(n1 - n0) <= self.tolerance * (n1 or 1.0) or 0 <= self.maxaug <= done
+        if good and done >= self.minaug:
+            return True
+        old[:] = new
+        return False

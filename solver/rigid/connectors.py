@@ -1,0 +1,176 @@
+"""What joins two rigid bodies: a force F at a point of each and a moment M, on body a; opposite ones on body b.
+
+FEBio user manual, "Rigid connectors"; Hou et al. and Ateshian's joints by penalty and augmented Lagrangian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..values import Value, as_value
+from . import jets
+from .jets import Frame, Jet
+
+if TYPE_CHECKING:
+    from ..state import State
+    from ..system import System
+
+Floats = NDArray[np.float64]
+Number = Value | float
+ORIGIN = np.zeros((1, 3))
+
+
+def number(v: Number, t: float) -> float:
+    """A parameter at time t."""
+    return float(as_value(v)(t, ORIGIN)[0])
+
+
+@dataclass(eq=False)
+class Memory:
+    """What a connector keeps: multipliers of force and moment, and penalties that may have grown."""
+
+    force: Floats
+    moment: Floats
+    penalties: Floats
+
+
+@dataclass(eq=False)
+class Connector:
+    """``a``, ``b``: indices of the bodies. The point of action is ``at_a``, ``at_b`` of the reference."""
+
+    a: int
+    b: int
+    symmetric: ClassVar[bool] = False
+
+    def points(self) -> tuple[Floats, Floats]:
+        """Points of action on a and b (the reference)."""
+        raise NotImplementedError
+
+    def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
+        """Force and moment on a."""
+        raise NotImplementedError
+
+    def penalties(self) -> tuple[float, float]:
+        return 0.0, 0.0
+
+    def augment(self, system: System, done: int, m: Memory) -> bool:
+        """Renew the multipliers; True where they need no more of it."""
+        return True
+
+
+@dataclass(eq=False)
+class Between(Connector):
+    """A connector between insertion points."""
+
+    insertion_a: Floats = field(default_factory=lambda: np.zeros(3))
+    insertion_b: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def points(self) -> tuple[Floats, Floats]:
+        return self.insertion_a, self.insertion_b
+
+    def distance(self, a: Frame, b: Frame) -> Jet:
+        """From the point on a to that on b."""
+        return b.centre() + b.arm(self.insertion_b) - a.centre() - a.arm(self.insertion_a)
+
+
+@dataclass(eq=False)
+class Spring(Between):
+    """F = k (1 - L0 / L) c along the distance c; L0 = 0 stands for the distance at the start."""
+
+    k: Number = 1.0
+    free_length: float = 0.0
+
+    def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
+        c = self.distance(a, b)
+        rest = self.free_length or float(np.linalg.norm(self.insertion_b - self.insertion_a))
+        return (c - jets.direction(c).times(rest)).times(number(self.k, t)), jets.zero()
+
+
+@dataclass(eq=False)
+class Damper(Between):
+    """F = c (v_b - v_a)."""
+
+    c: Number = 1.0
+
+    def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
+        v = b.velocity(self.insertion_b) - a.velocity(self.insertion_a)
+        return v.times(number(self.c, t)), jets.zero()
+
+
+@dataclass(eq=False)
+class ContractileForce(Between):
+    """A force f0 along the distance."""
+
+    f0: Number = 0.0
+
+    def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
+        return jets.direction(self.distance(a, b)).times(number(self.f0, t)), jets.zero()
+
+
+@dataclass(eq=False)
+class AngularDamper(Between):
+    """M = c (w_b - w_a)."""
+
+    c: Number = 1.0
+
+    def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
+        return jets.zero(), (b.spin() - a.spin()).times(number(self.c, t))
+
+
+class Connectors:
+    """The connectors of a run at work, as a load (:mod:`..loads.base`) on the bodies' rows."""
+
+    symmetric: ClassVar[bool] = False
+
+    def __init__(self, records: list[Connector], state: State) -> None:
+        self.records = {id(c): k for k, c in enumerate(records)}
+        # multipliers of force and moment; a step that fails gives them back
+        state.extra["multipliers"] = np.zeros((len(records), 6))
+        self.penalties = np.array([c.penalties() for c in records]).reshape(-1, 2)
+
+    def take(self, active: list[Connector], system: System) -> None:
+        """The connectors of one analysis step, and its system."""
+        self.active, self.system = active, system
+
+    def _memory(self, c: Connector) -> Memory:
+        k = self.records[id(c)]
+        L = self.system.state.extra["multipliers"][k]
+        return Memory(L[:3], L[3:], self.penalties[k])
+
+    def _forces(self, c: Connector) -> Jet:
+        """Forces and moments (12,) on both bodies."""
+        a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
+        F, M = c.pull(a, b, self.system.state.time, self._memory(c))
+        pa, pb = c.points()
+        Ma, Mb = jets.cross(a.arm(pa), F) + M, jets.cross(b.arm(pb), F) + M
+        return Jet(
+            np.concatenate([F.v, Ma.v, -F.v, -Mb.v]),  # type: ignore[list-item, operator]
+            np.concatenate([F.d, Ma.d, -F.d, -Mb.d]),
+        )
+
+    def _rows(self, c: Connector) -> NDArray[np.int64]:
+        assert self.system.bodies is not None
+        ra, rb = (int(self.system.bodies.rows[i]) for i in (c.a, c.b))
+        return np.array([ra, ra + 1, rb, rb + 1])
+
+    def cliques(self) -> list[NDArray[np.int64]]:
+        return [np.stack([self._rows(c) for c in self.active])] if self.active else []
+
+    def residual(self, state: State, R: Floats) -> None:
+        for c in self.active:
+            rows = self._rows(c)
+            np.add.at(R, (rows[:, None], np.arange(3)), np.asarray(self._forces(c).v).reshape(4, 3))
+
+    def stiffness(self, state: State, groups: Any = None) -> list[tuple[Floats, Any, Any]]:
+        if not self.active:
+            return []
+        K = np.stack([-self._forces(c).d for c in self.active])
+        nodes = np.stack([np.repeat(self._rows(c), 3) for c in self.active])
+        return [(K, nodes, np.tile(np.arange(3), 4))]
+
+    def augment(self, done: int) -> bool:
+        return all([c.augment(self.system, done, self._memory(c)) for c in self.active])  # noqa: C419 (all of them)
