@@ -87,6 +87,7 @@ def _layout_holds() -> bool:
         return False
     a = np.zeros((3, 5, 7))[:, 1:4, ::2]
     at = id(a)
+    numbers = 1.5 * len(a), np.float64(2.5), np.bool_(True)  # kept alive while their memory is looked at
     word, small = ctypes.c_int64.from_address, ctypes.c_int32.from_address
     shape, strides = (ctypes.c_int64 * 3).from_address(word(at + SHAPE).value), word(at + STRIDES).value
     flags = small(at + FLAGS).value
@@ -98,9 +99,9 @@ def _layout_holds() -> bool:
         and tuple((ctypes.c_int64 * 3).from_address(strides)) == a.strides
         and word(at + DTYPE).value == id(np.dtype("f8"))
         and flags & (ALIGNED | WRITEABLE | CONTIGUOUS["C"]) == ALIGNED | WRITEABLE
-        and ctypes.c_double.from_address(id(float("1.5")) + VALUE).value == 1.5
-        and ctypes.c_double.from_address(id(np.float64(2.5)) + VALUE).value == 2.5
-        and ctypes.c_uint8.from_address(id(np.bool_(True)) + VALUE).value == 1
+        and ctypes.c_double.from_address(id(numbers[0]) + VALUE).value == 4.5
+        and ctypes.c_double.from_address(id(numbers[1]) + VALUE).value == 2.5
+        and ctypes.c_uint8.from_address(id(numbers[2]) + VALUE).value == 1
     )
 
 
