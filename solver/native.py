@@ -128,11 +128,10 @@ class Linker:
         self._function.restype = ctypes.py_object
         self._function.argtypes = [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
         self._kept: list[_Definition] = []
-
-    def processor(self) -> str:
-        """What machine code made here is for."""
-        llvm = self._llvm
-        return f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+        # what machine code made here is for
+        self.processor = (
+            f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+        )
 
     def link(self, code: bytes, name: str, undefined: list[str]) -> Callable[..., Any]:
         """The function ``name`` of an object. Raises LookupError where a symbol it needs is not in this process."""
@@ -157,7 +156,7 @@ def linker() -> Linker:
 def name_of(kernel: str, source: str, types: str) -> str:
     """The name of an object: kernel, and a hash of sources, argument types, processor and numba's settings."""
     settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR")
-    text = "\n".join([source, types, linker().processor(), *settings])
+    text = "\n".join([source, types, linker().processor, *settings])
     return f"{kernel}_{hashlib.sha256(text.encode()).hexdigest()[:24]}"
 
 
