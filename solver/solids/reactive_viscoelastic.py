@@ -127,8 +127,14 @@ class _Bonds:
         if wmin.any():
             born &= self._reforming(pts, gen, count, rate) >= wmin
         born &= self._changed(pts.F, gen, count) > eps
-        born &= ~self._slack(pts, strong)
-        who = np.flatnonzero(born)
+        slack = self._slack(pts, strong)
+        if pts.new is not None:  # what an earlier iteration of the step has begun goes on
+            now = self._begun(pts)
+            born |= now
+            for i in np.flatnonzero(now & slack):
+                count[i] = pts.new[i, at]
+                gen[i] = pts.new[i, at + _HEAD : at + h].reshape(self.capacity, _EACH)
+        who = np.flatnonzero(born & ~slack)
         if len(who):
             self._begin(pts, gen, count, rate, who)
             if wmin.any():
@@ -138,6 +144,14 @@ class _Bonds:
             pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
             pts.new[:, at + _HEAD : at + h] = gen.reshape(pts.n, -1)
         return gen, count, rate
+
+    def _begun(self, pts: Points) -> Any:
+        """Points (n,) with a generation of the present time in ``pts.new``."""
+        at, h = self.offset, self.history  # type: ignore[attr-defined]
+        assert pts.new is not None
+        count, gen = pts.new[:, at], pts.new[:, at + _HEAD : at + h].reshape(pts.n, self.capacity, _EACH)
+        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
+        return (count > 0) & (last == pts.t)
 
     def _begin(self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any) -> None:
         k = count[who].astype(int)
