@@ -6,8 +6,7 @@ assembly in turn, so that no material needs to know an element, nor an element a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,6 +74,7 @@ class Group:
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
         self.chunks = self._cut(chunk)
         self.set_history(history.initial(block.solid, m * g))
+        self._grows = history.grows(block.solid)
 
     def _axes(self) -> Floats | None:
         Q = self.block.axes
@@ -106,13 +106,9 @@ class Group:
             q = slice(c.lo * self.g, c.hi * self.g)
             c.points.old, c.points.new = self.old[q], self.new[q]
 
-    @contextmanager
-    def named(self) -> Iterator[None]:
-        """Say which element of which part a law failed in."""
-        try:
-            yield
-        except PoreCollapse as e:
-            raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
+    def named(self, e: PoreCollapse) -> ElementFailure:
+        """Which element of which part a law failed in."""
+        return ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}")
 
     # ---- update -----------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, u: Floats, drive: list | None = None) -> None:
@@ -120,8 +116,10 @@ class Group:
         bad = solid.kinematics(c.lo, c.hi, u, self.conn, self.dN, self.iJ0, self.F, self.J)
         if bad >= 0:
             raise NegativeJacobian(int(self.block.ids[bad]), self.block.name)
-        with self.named():
+        try:
             self._update_chunk(c, state, drive)
+        except PoreCollapse as e:
+            raise self.named(e) from None
 
     def conserve(self, u: Floats, u_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
@@ -253,6 +251,8 @@ class Group:
                 self.pgp = self.pg.copy()
         if self.new.shape[1]:
             self.old[:] = self.new
+            if not self._grows:
+                return
             pts = self.points()
             pts.t, pts.dt = state.time, state.dt
             self.set_history(history.begin(self.block.solid, pts))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .group import Group
 from .kernels.pattern import scatter_any
+from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
 from .pattern import Equations, Pattern
@@ -201,8 +202,10 @@ class System:
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
-                with g.named():
+                try:
                     add_chunk(g, c, self.state, target, self._work[share.thread], self.steady)
+                except PoreCollapse as e:
+                    raise g.named(e) from None
 
         self.schedule.map(work)
         Fd[self.eqs.rows] = target.Fd

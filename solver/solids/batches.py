@@ -18,7 +18,7 @@ def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = Fals
     """
     n, b = F.shape[:2]
 
-    def times(x: Floats | None) -> Any:
+    def times(x: Any) -> Any:
         return x if x is None or b == 1 or (len(x) == 1 and n > 1) else np.repeat(x, b, axis=0)
 
     F = np.ascontiguousarray(F.reshape(-1, 3, 3))

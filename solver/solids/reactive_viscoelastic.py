@@ -120,20 +120,13 @@ class _Bonds:
             L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ inv(pts.F) / pts.dt
             rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
         wmin, emin = self.par(pts).T  # type: ignore[attr-defined]
-        eps = np.maximum(emin, 10 * np.finfo(float).eps)
-        rows = np.arange(pts.n)
-        last = gen[rows, np.maximum(count - 1, 0).astype(int), _V]
-        born = (count == 0) | (last < pts.t)
-        if wmin.any():
-            born &= self._reforming(pts, gen, count, rate) >= wmin
-        born &= self._changed(pts.F, gen, count) > eps
         slack = self._slack(pts, strong)
-        if pts.new is not None:  # what an earlier iteration of the step has begun goes on
-            now = self._begun(pts)
-            born |= now
-            for i in np.flatnonzero(now & slack):
-                count[i] = pts.new[i, at]
-                gen[i] = pts.new[i, at + _HEAD : at + h].reshape(self.capacity, _EACH)
+        now = np.zeros(pts.n, bool) if pts.new is None else self._begun(pts)
+        born = now | (self._due(pts, gen, count, rate, wmin, emin) if not now.all() else False)
+        for i in np.flatnonzero(now & slack):  # what an earlier iteration of the step has begun stays
+            assert pts.new is not None
+            count[i] = pts.new[i, at]
+            gen[i] = pts.new[i, at + _HEAD : at + h].reshape(self.capacity, _EACH)
         who = np.flatnonzero(born & ~slack)
         if len(who):
             self._begin(pts, gen, count, rate, who)
@@ -144,6 +137,17 @@ class _Bonds:
             pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
             pts.new[:, at + _HEAD : at + h] = gen.reshape(pts.n, -1)
         return gen, count, rate
+
+    def _due(
+        self, pts: Points, gen: Floats, count: Floats, rate: Floats, wmin: Floats, emin: Floats
+    ) -> Any:
+        """Points (n,) whose strain has changed since the last generation, while enough bonds reform."""
+        eps = np.maximum(emin, 10 * np.finfo(float).eps)
+        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
+        due = (count == 0) | (last < pts.t)
+        if wmin.any():
+            due &= self._reforming(pts, gen, count, rate) >= wmin
+        return due & (self._changed(pts.F, gen, count) > eps)
 
     def _begun(self, pts: Points) -> Any:
         """Points (n,) with a generation of the present time in ``pts.new``."""
