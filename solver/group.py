@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,8 @@ class Group:
         self.block = block
         e = elements.get(block.element, block.rule)
         self.element = e
+        self.shell = block.element.startswith("shell_")
+        self.alphaf = 1.0  # weight of the step's end in its internal forces, where the pressure goes by the end alone
         self.N, self.dN = np.ascontiguousarray(e.N), np.ascontiguousarray(e.dN)
         self.conn = np.ascontiguousarray(block.conn, dtype=np.int32)
         m, g = len(self.conn), len(e.weights)
@@ -120,6 +123,16 @@ class Group:
             self._update_chunk(c, state, drive)
         except PoreCollapse as e:
             raise self.named(e) from None
+
+    def end_pressure(self, u: Floats) -> None:
+        """Three-field shells: the pressure goes by the mean relative volume at the step's end (FEBio 4.11)."""
+        F, J = np.empty_like(self.F), np.empty_like(self.J)
+        solid.kinematics(0, self.m, u, self.conn, self.dN, self.iJ0, F, J)
+        self.eJ[:] = (self.wJ0 * J).sum(axis=1) / self.wJ0.sum(axis=1)
+        law: Any = self.block.solid
+        before = self.ep.copy()
+        self.ep[:] = law.pressure(np.repeat(self.eJ, self.g), self.points())[:: self.g] + self.Lk / self.eJ
+        self.s[..., :3] += (self.ep - before)[:, None, None]
 
     def conserve(self, u: Floats, u_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
@@ -213,7 +226,8 @@ class Group:
     def dilatation_modulus(self, c: Chunk) -> Floats:
         """Bulk modulus (element,) of a three-field chunk, with the multiplier's share."""
         e = slice(c.lo, c.hi)
-        return self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+        k = self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+        return k / self.alphaf
 
     def stabilise(self, tau: float) -> None:
         """Steady the pressure by projection (:mod:`.kernels.projection`), c from the moduli at rest."""

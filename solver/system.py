@@ -44,6 +44,8 @@ class System:
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
+        for g in groups:
+            g.alphaf = self.alphaf if g.shell else 1.0
         self._mass: Mass | None = None
 
     def _active(self) -> NDArray[np.bool_]:
@@ -150,6 +152,10 @@ class System:
                 g.update(c, s, u, drive)
 
         self.schedule.map(work)
+        if self.alphaf != 1.0 and s.dt > 0:
+            for g in self.groups:
+                if g.shell and g.block.formulation == "three-field":
+                    g.end_pressure(s.u)
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
                 g.conserve(s.u, s.d_old[:, :3], s.dt)

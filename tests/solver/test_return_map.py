@@ -65,7 +65,8 @@ def test_the_plastic_part_keeps_its_volume() -> None:
     t, _ = trial()
     L = np.eye(3) - 0.02 * t.N
     U = np.empty((4, 3, 3))
-    place(np.ascontiguousarray(np.broadcast_to(np.eye(3), U.shape)), t.Ue, t.N, t.Us, np.full(4, 0.02), 1, U, np.empty(4))
+    eye = np.ascontiguousarray(np.broadcast_to(np.eye(3), U.shape))
+    place(eye, t.Ue, t.N, t.Us, np.full(4, 0.02), 1, U, np.empty(4))
     X = t.Ue @ L
     beta = np.linalg.det(t.Us @ L) ** (-1.0 / 3.0)
     np.testing.assert_allclose(U, 0.5 * (X + np.swapaxes(X, 1, 2)) * beta[:, None, None], atol=1e-14)
