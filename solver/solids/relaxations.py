@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..points import Points
+from ..special import expi, gamma, gammaincc
 from ..values import as_value
 from .base import Floats, Number, Property
 from .registry import register
@@ -84,8 +85,6 @@ class Fung(Relaxation):
     parameters = ("tau1", "tau2")
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
-        from scipy.special import expi
-
         a, b = self.p("tau1", pts), self.p("tau2", pts)
         if a.size == b.size == 1 and (t == t[:1]).all():
             t = t[:1]  # bonds of all points started to break together
@@ -215,8 +214,6 @@ class Prony(Relaxation):
 
 def malkin(t: Floats, tau1: Floats, tau2: Floats, beta: Floats) -> Floats:
     """Power-law spectrum between tau1 and tau2 (Malkin, Rheol. Acta 45 (2006) 775)."""
-    from scipy.special import expi, gamma, gammaincc
-
     x, b = np.where(t > 0, t, 1.0), np.where(beta == 1, 1.5, beta - 1.0)
     p = np.where(b > 0, b, 0.5)
     Q = (gammaincc(p, x / tau2) - gammaincc(p, x / tau1)) * gamma(p)
