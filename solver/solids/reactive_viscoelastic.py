@@ -110,13 +110,13 @@ class _Bonds:
         return ~s.any(1)
 
     def _advance(self, pts: Points, strong: Law) -> tuple[Floats, Floats, Floats]:
-        """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1)."""
+        """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1) where it matters."""
         at, h = self.offset, self.history  # type: ignore[attr-defined]
         old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
         count = old[:, 0].copy()
         gen = old[:, _HEAD:].reshape(pts.n, self.capacity, _EACH).copy()
         rate = np.zeros((pts.n, 1))
-        if pts.dt > 0:
+        if pts.dt > 0 and self.relaxation.rated:
             L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ inv(pts.F) / pts.dt
             rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
         wmin, emin = self.par(pts).T  # type: ignore[attr-defined]

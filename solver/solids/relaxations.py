@@ -28,6 +28,7 @@ class Relaxation:
     parameters: ClassVar[tuple[str, ...]] = ()
     options: ClassVar[tuple[str, ...]] = ()
     properties: ClassVar[dict[str, Property]] = {}
+    rated: ClassVar[bool] = False  # the rate of deformation matters
 
     def p(self, name: str, pts: Points) -> Floats:
         """A parameter as (1|n, 1)."""
@@ -182,6 +183,7 @@ class Carreau(Relaxation):
     lambda_: Number = 0.0
     n: Number = 1.0
     parameters = ("tau0", "lambda_", "n")
+    rated = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         shear = self.p("lambda_", pts) * np.sqrt(2.0) * rate
