@@ -6,6 +6,7 @@ takes the value of the point *after* t, also where t is a point's own time, exce
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import fmod
@@ -131,9 +132,11 @@ def _after(x: Floats, t: float) -> int:
 
 
 def _linear(x: Floats, y: Floats) -> Function:
+    times, values = x.tolist(), y.tolist()
+
     def value(t: float) -> float:
-        n = _after(x, t)
-        return _line(t, x[n - 1], y[n - 1], x[n], y[n])
+        n = bisect_right(times, t)
+        return _line(t, times[n - 1], values[n - 1], times[n], values[n])
 
     return value
 

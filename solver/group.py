@@ -6,9 +6,9 @@ assembly in turn, so that no material needs to know an element, nor an element a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,8 @@ class Group:
         self.block = block
         e = elements.get(block.element, block.rule)
         self.element = e
+        self.shell = block.element.startswith("shell_")
+        self.alphaf = 1.0  # weight of the step's end in its internal forces, where the pressure goes by the end alone
         self.N, self.dN = np.ascontiguousarray(e.N), np.ascontiguousarray(e.dN)
         self.conn = np.ascontiguousarray(block.conn, dtype=np.int32)
         m, g = len(self.conn), len(e.weights)
@@ -75,6 +77,7 @@ class Group:
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
         self.chunks = self._cut(chunk)
         self.set_history(history.initial(block.solid, m * g))
+        self._grows = history.grows(block.solid)
 
     def _axes(self) -> Floats | None:
         Q = self.block.axes
@@ -106,13 +109,9 @@ class Group:
             q = slice(c.lo * self.g, c.hi * self.g)
             c.points.old, c.points.new = self.old[q], self.new[q]
 
-    @contextmanager
-    def named(self) -> Iterator[None]:
-        """Say which element of which part a law failed in."""
-        try:
-            yield
-        except PoreCollapse as e:
-            raise ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}") from None
+    def named(self, e: PoreCollapse) -> ElementFailure:
+        """Which element of which part a law failed in."""
+        return ElementFailure(f"element {self.block.ids[e.element]} of part {self.block.name!r}: {e}")
 
     # ---- update -----------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, u: Floats, drive: list | None = None) -> None:
@@ -120,8 +119,20 @@ class Group:
         bad = solid.kinematics(c.lo, c.hi, u, self.conn, self.dN, self.iJ0, self.F, self.J)
         if bad >= 0:
             raise NegativeJacobian(int(self.block.ids[bad]), self.block.name)
-        with self.named():
+        try:
             self._update_chunk(c, state, drive)
+        except PoreCollapse as e:
+            raise self.named(e) from None
+
+    def end_pressure(self, u: Floats) -> None:
+        """Three-field shells: the pressure goes by the mean relative volume at the step's end (FEBio 4.11)."""
+        F, J = np.empty_like(self.F), np.empty_like(self.J)
+        solid.kinematics(0, self.m, u, self.conn, self.dN, self.iJ0, F, J)
+        self.eJ[:] = (self.wJ0 * J).sum(axis=1) / self.wJ0.sum(axis=1)
+        law: Any = self.block.solid
+        before = self.ep.copy()
+        self.ep[:] = law.pressure(np.repeat(self.eJ, self.g), self.points())[:: self.g] + self.Lk / self.eJ
+        self.s[..., :3] += (self.ep - before)[:, None, None]
 
     def conserve(self, u: Floats, u_old: Floats, dt: float) -> None:
         """Correct the midpoint stress so that its power is the change of strain energy over the step.
@@ -215,7 +226,8 @@ class Group:
     def dilatation_modulus(self, c: Chunk) -> Floats:
         """Bulk modulus (element,) of a three-field chunk, with the multiplier's share."""
         e = slice(c.lo, c.hi)
-        return self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+        k = self._of_mean(self.block.solid.bulk, c) - self.Lk[e] / self.eJ[e] ** 2  # type: ignore[attr-defined]
+        return k / self.alphaf
 
     def stabilise(self, tau: float) -> None:
         """Steady the pressure by projection (:mod:`.kernels.projection`), c from the moduli at rest."""
@@ -253,6 +265,8 @@ class Group:
                 self.pgp = self.pg.copy()
         if self.new.shape[1]:
             self.old[:] = self.new
+            if not self._grows:
+                return
             pts = self.points()
             pts.t, pts.dt = state.time, state.dt
             self.set_history(history.begin(self.block.solid, pts))

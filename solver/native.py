@@ -87,6 +87,7 @@ def _layout_holds() -> bool:
         return False
     a = np.zeros((3, 5, 7))[:, 1:4, ::2]
     at = id(a)
+    numbers = 1.5 * len(a), np.float64(2.5), np.bool_(True)  # kept alive while their memory is looked at
     word, small = ctypes.c_int64.from_address, ctypes.c_int32.from_address
     shape, strides = (ctypes.c_int64 * 3).from_address(word(at + SHAPE).value), word(at + STRIDES).value
     flags = small(at + FLAGS).value
@@ -98,9 +99,9 @@ def _layout_holds() -> bool:
         and tuple((ctypes.c_int64 * 3).from_address(strides)) == a.strides
         and word(at + DTYPE).value == id(np.dtype("f8"))
         and flags & (ALIGNED | WRITEABLE | CONTIGUOUS["C"]) == ALIGNED | WRITEABLE
-        and ctypes.c_double.from_address(id(float("1.5")) + VALUE).value == 1.5
-        and ctypes.c_double.from_address(id(np.float64(2.5)) + VALUE).value == 2.5
-        and ctypes.c_uint8.from_address(id(np.bool_(True)) + VALUE).value == 1
+        and ctypes.c_double.from_address(id(numbers[0]) + VALUE).value == 4.5
+        and ctypes.c_double.from_address(id(numbers[1]) + VALUE).value == 2.5
+        and ctypes.c_uint8.from_address(id(numbers[2]) + VALUE).value == 1
     )
 
 
@@ -127,11 +128,10 @@ class Linker:
         self._function.restype = ctypes.py_object
         self._function.argtypes = [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
         self._kept: list[_Definition] = []
-
-    def processor(self) -> str:
-        """What machine code made here is for."""
-        llvm = self._llvm
-        return f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+        # what machine code made here is for
+        self.processor = (
+            f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+        )
 
     def link(self, code: bytes, name: str, undefined: list[str]) -> Callable[..., Any]:
         """The function ``name`` of an object. Raises LookupError where a symbol it needs is not in this process."""
@@ -156,7 +156,7 @@ def linker() -> Linker:
 def name_of(kernel: str, source: str, types: str) -> str:
     """The name of an object: kernel, and a hash of sources, argument types, processor and numba's settings."""
     settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR")
-    text = "\n".join([source, types, linker().processor(), *settings])
+    text = "\n".join([source, types, linker().processor, *settings])
     return f"{kernel}_{hashlib.sha256(text.encode()).hexdigest()[:24]}"
 
 

@@ -35,6 +35,10 @@ class Points:
     def n(self) -> int:
         return len(self.J)
 
+    def under(self, F: Floats, J: Floats) -> Points:
+        """The same points under another deformation gradient, without a history."""
+        return Points(F, J, self.X, self.e, self.t, self.dt, self.Q, extra=self.extra)
+
     @classmethod
     def at(cls, F: Floats, **kw: object) -> Points:
         """Points at rest in space, for a test or a material driver: only ``F`` matters."""

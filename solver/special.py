@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -26,8 +27,9 @@ def erfc(x: ArrayLike) -> Floats:
 
 
 def gamma(x: ArrayLike) -> Floats:
-    """Gamma function."""
-    return _apply(special.gamma, x)
+    """Gamma function (of parameters, few numbers: numba's has no machine code that :mod:`.native` can load)."""
+    values = np.asarray(x, float)
+    return np.array([math.gamma(v) for v in values.ravel().tolist()]).reshape(values.shape)
 
 
 def gammainc(a: ArrayLike, x: ArrayLike) -> Floats:
@@ -38,3 +40,8 @@ def gammainc(a: ArrayLike, x: ArrayLike) -> Floats:
 def gammaincc(a: ArrayLike, x: ArrayLike) -> Floats:
     """Regularised upper incomplete gamma function Q(a, x) = 1 - P(a, x)."""
     return _apply(special.gammainc, a, x, flags=(True,))
+
+
+def expi(x: ArrayLike) -> Floats:
+    """Exponential integral Ei(x)."""
+    return _apply(special.expi, x)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .group import Group
 from .kernels.pattern import scatter_any
+from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
 from .pattern import HELD, Equations, Pattern
@@ -57,6 +58,8 @@ class System:
         for load in self.loads:
             if hasattr(load, "alpha"):
                 load.alpha = self.alphaf
+        for g in groups:
+            g.alphaf = self.alphaf if g.shell else 1.0
         self._mass: Mass | None = None
 
     def _link(self) -> None:
@@ -216,6 +219,10 @@ class System:
                 g.update(c, s, u, drive)
 
         self.schedule.map(work)
+        if self.alphaf != 1.0 and s.dt > 0:
+            for g in self.groups:
+                if g.shell and g.block.formulation == "three-field":
+                    g.end_pressure(s.u)
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
                 g.conserve(s.u, s.d_old[:, :3], s.dt)
@@ -273,8 +280,10 @@ class System:
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
-                with g.named():
+                try:
                     add_chunk(g, c, self.state, target, self._work[share.thread], self.steady)
+                except PoreCollapse as e:
+                    raise g.named(e) from None
 
         self.schedule.map(work)
         Fd[self.eqs.rows] = target.Fd

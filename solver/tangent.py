@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,7 @@ class Workspace:
 
     def take(self, name: str, *shape: int) -> Floats:
         """An uninitialised array."""
-        n = int(np.prod(shape))
+        n = prod(shape)
         held = self._held.get(name)
         if held is None or held.size < n:
             held = self._held[name] = np.empty(n)

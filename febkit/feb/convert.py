@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
+from typing import Any
 
 from febkit.model import InputError
 
-from . import v12, v12_down, v20, v20_down, v25, v25_down, v30, v30_down
 from .document import Tag
 
 VERSIONS = ("1.2", "2.0", "2.5", "3.0", "4.0")
 READ = ("1.0", "1.1", *VERSIONS)
-_UP: dict[str, Callable[[Tag], None]] = {"1.2": v12.up, "2.0": v20.up, "2.5": v25.up, "3.0": v30.up}
-_DOWN: dict[str, Callable[[Tag, list[str]], None]] = {
-    "3.0": v25_down.down, "2.5": v20_down.down, "2.0": v12_down.down}
+# version to leave -> the module that does it, imported when a file needs the step
+_UP = {"1.2": "v12", "2.0": "v20", "2.5": "v25", "3.0": "v30"}
+_DOWN = {"4.0": "v30_down", "3.0": "v25_down", "2.5": "v20_down", "2.0": "v12_down"}
+
+
+def _step(name: str) -> Any:
+    return import_module(f"{__package__}.{name}")
 
 
 def up(root: Tag) -> None:
@@ -25,7 +29,7 @@ def up(root: Tag) -> None:
     if version in ("1.0", "1.1"):
         root.attrs["version"] = "1.2"
     while root.attrs["version"] != "4.0":
-        _UP[root.attrs["version"]](root)
+        _step(_UP[root.attrs["version"]]).up(root)
 
 
 def down(root: Tag, version: str) -> list[str]:
@@ -34,8 +38,9 @@ def down(root: Tag, version: str) -> list[str]:
         raise InputError(f'febio_spec version "{version}" is not written; known are {", ".join(VERSIONS)}')
     notes: list[str] = []
     while root.attrs["version"] != version:
+        down = _step(_DOWN[root.attrs["version"]]).down
         if root.attrs["version"] == "4.0":
-            v30_down.down(root, notes, edges=version != "3.0")
+            down(root, notes, edges=version != "3.0")
         else:
-            _DOWN[root.attrs["version"]](root, notes)
+            down(root, notes)
     return list(dict.fromkeys(notes))

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from febkit.model import Component, InputError, Model, UnsupportedError, Where
-from febkit.model import math as formulas
 from febkit.solver.values import Constant, Expression, Map, Scaled, Value
 
 if TYPE_CHECKING:
+    from febkit.model.math import Formula
+
     from .rigid import Body
 
 Controller = Callable[[float], float]
 _PARAMETER = re.compile(r"\$\{(fem\.material\('([^']+)'\)\.(\w+))\}")
+
+
+def compiled(text: str, names: Iterable[str] | None, constants: Mapping[str, float], where: Where) -> Formula:
+    """:func:`febkit.model.math.compile`, imported where a model has a formula."""
+    from febkit.model import math
+
+    return math.compile(text, names, constants, where)
 
 
 class Context:
@@ -63,7 +71,7 @@ class Context:
         if spec.type in ("math", "math-interval"):
             leaf = spec.spec.need("math")
             names = {"t", *self.model.variables}
-            f = formulas.compile(leaf.text, names, dict(self.model.variables), leaf.where)
+            f = compiled(leaf.text, names, dict(self.model.variables), leaf.where)
             if spec.type == "math":
                 return lambda t: float(f(t=t))
         self.refuse(f'load controller type="{spec.type}"', spec.where)
@@ -99,7 +107,7 @@ class Context:
     def formula(self, text: str, leaf: Component) -> Value:
         referred = self._referred(text, leaf)
         names = ("X", "Y", "Z", "t", *self.model.variables, *referred)
-        f = formulas.compile(text, names, dict(self.model.variables), leaf.where)
+        f = compiled(text, names, dict(self.model.variables), leaf.where)
         if referred:
             def value(X: np.ndarray, Y: np.ndarray, Z: np.ndarray, t: float) -> np.ndarray:
                 place = np.stack([X, Y, Z], axis=-1)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from febkit.model import Component, Domain, InputError
-from febkit.model import math as formulas
 from febkit.solver import permeabilities, supplies
 from febkit.solver.problem import Augment, Block, Mixture
 from febkit.solver.solids import registry
@@ -16,8 +15,7 @@ from febkit.solver.solids.base import Property
 from febkit.solver.values import Constant
 
 from . import shells
-from .axes import direction, element_axes, mat_axis, rows
-from .context import Context
+from .context import Context, compiled
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
@@ -27,6 +25,13 @@ OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_f
 UNPROVEN = frozenset({"cubic CLE"})
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis", "print_derivs"})
+
+
+def _axes() -> Any:
+    """Generators of axes and directions, imported where a model has any."""
+    from . import axes
+
+    return axes
 
 
 def blocks(ctx: Context) -> list[Block]:
@@ -72,10 +77,11 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
             if hasattr(node, "phi0"):  # porous solids take the porosity of the mixture
                 node.phi0 = mixture.phi0
     block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture)
-    block.axes = element_axes(ctx, d.block)
+    if ctx.model.mesh_data:
+        block.axes = _axes().element_axes(ctx, d.block)
     own = top.child("mat_axis")
     if mixture is not None and own is not None:
-        solid.mat_axis = mat_axis(ctx, own, d.block)
+        solid.mat_axis = _axes().mat_axis(ctx, own, d.block)
     if d.kind == "solid":
         _formulation(ctx, d, block)
     elif mixture is not None:
@@ -129,7 +135,7 @@ def _law(ctx: Context, spec: Component, registry_: Any, part: str) -> Any:
     fields: dict[str, Any] = {}
     for c in spec:
         if c.tag == "mat_axis":
-            fields["mat_axis"] = mat_axis(ctx, c, part)
+            fields["mat_axis"] = _axes().mat_axis(ctx, c, part)
         elif c.tag not in cls.parameters:
             ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
         elif c.tag in cls.vectors:
@@ -147,7 +153,7 @@ def _numbers(ctx: Context, leaf: Component, n: int, part: str = "") -> tuple[Any
     from febkit.solver.values import Map, Scaled
 
     if leaf.type == "map" and part:
-        return tuple(Map(column) for column in np.ascontiguousarray(rows(ctx, leaf, part, n).T))
+        return tuple(Map(column) for column in np.ascontiguousarray(_axes().rows(ctx, leaf, part, n).T))
     numbers = leaf.as_floats(n)
     if leaf.lc is None:
         return tuple(Constant(x) for x in numbers)
@@ -202,7 +208,7 @@ def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, p
 def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, Any], spec: Component) -> None:
     name = registry.field_name(c.tag)
     if c.tag == "mat_axis" and hasattr(cls, "mat_axis"):
-        fields["mat_axis"] = mat_axis(ctx, c, part)
+        fields["mat_axis"] = _axes().mat_axis(ctx, c, part)
     elif name in cls.properties:
         fields.setdefault(name, []).append(_child(ctx, c, cls.properties[name], part))
     elif name in cls.parameters:
@@ -235,13 +241,13 @@ def _pressure_model(leaf: Component) -> int:
 
 def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
     if prop.table == "direction":
-        return direction(ctx, c, part)
+        return _axes().direction(ctx, c, part)
     if prop.table == "curve":
         return curve(ctx, c)
     if prop.table == "energy":
         return _energy(ctx, c)
     if prop.table == "formula":
-        f = formulas.compile((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+        f = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
         if len(f.names) > 1:
             raise InputError(f"<{c.tag}> must be a formula of one variable", c.where)
         name = next(iter(f.names), "x")
@@ -260,9 +266,9 @@ def _energy(ctx: Context, c: Component) -> Any:
         name, equals, body = (s.strip() for s in text.partition("="))
         if not equals or not name.isidentifier():
             raise InputError(f"<{c.tag}>: {text!r} must read name = formula", c.where)
-        steps.append((name, formulas.compile(body, names, constants, c.where)))
+        steps.append((name, compiled(body, names, constants, c.where)))
         names.append(name)
-    energy = formulas.compile(last, names, constants, c.where)
+    energy = compiled(last, names, constants, c.where)
 
     def value(at: dict[str, Any]) -> Any:
         env = dict(at)
@@ -292,7 +298,7 @@ def curve(ctx: Context, c: Component) -> Any:
         points = [p.as_floats(2) for p in c.need("points")]
         return Curve(LoadCurve(np.array(points), c.str("interpolate", "linear"), c.str("extend", "constant")))
     if kind == "math":
-        g = formulas.compile((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+        g = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
         name = next(iter(g.names), "x")
         return lambda x: g.at({name: x})
     if kind == "const":

@@ -137,7 +137,9 @@ def ordered_spectra(A, values, vectors):
     e = np.empty(3)
     for q in range(len(A)):
         V, d = vectors[q], values[q]
-        V[:] = A[q]
+        for i in range(3):
+            for j in range(3):
+                V[i, j] = A[q, i, j]
         _tridiagonal(V, d, e)
         _implicit_shifts(V, d, e)
         for i in range(2):

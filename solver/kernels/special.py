@@ -24,13 +24,6 @@ def erfc(x, out):
 
 
 @kernel
-def gamma(x, out):
-    """Gamma function."""
-    for i in range(len(x)):
-        out[i] = math.gamma(x[i])
-
-
-@kernel
 def _series(a, x):
     """Regularised lower incomplete gamma function by its series, for x < a + 1 (Abramowitz & Stegun 6.5.29)."""
     term = total = 1.0 / a
@@ -85,3 +78,48 @@ def gammainc(a, x, upper, out):
             scale = math.exp(a[i] * math.log(x[i]) - x[i] - math.lgamma(a[i]))
             q = scale * _fraction(a[i], x[i])
             out[i] = q if upper else 1.0 - q
+
+
+@kernel
+def _exponential_fraction(x):
+    """exp(x) E1(x) by its continued fraction, x >= 1 (Abramowitz & Stegun 5.1.22, forwards)."""
+    b = x + 1.0
+    c, d = 1.0 / TINY, 1.0 / b
+    h = d
+    for k in range(1, MOST):
+        b += 2.0
+        d = 1.0 / (b - k * k * d)
+        c = b - k * k / c
+        h *= c * d
+        if abs(c * d - 1.0) < EPS:
+            break
+    return h
+
+
+@kernel
+def expi(x, out):
+    """Exponential integral Ei(x), the principal value for x > 0 (Abramowitz & Stegun 5.1.10, 5.1.51)."""
+    for i in range(len(x)):
+        v = x[i]
+        if v == 0.0:
+            out[i] = -np.inf
+        elif v < -1.0:
+            out[i] = -math.exp(v) * _exponential_fraction(-v) if v > -745.0 else 0.0
+        elif v < 40.0:
+            term, total = 1.0, 0.0
+            for k in range(1, MOST):
+                term *= v / k
+                total += term / k
+                if abs(term / k) < 0.1 * EPS * abs(total):
+                    break
+            out[i] = 0.57721566490153286061 + math.log(abs(v)) + total
+        elif v < 716.0:
+            term = total = 1.0
+            for k in range(1, 60):  # asymptotic: its terms fall up to k = v
+                term *= k / v
+                total += term
+                if term < EPS or k >= v:
+                    break
+            out[i] = math.exp(v) / v * total
+        else:
+            out[i] = np.inf

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,18 +18,18 @@ def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = Fals
     """
     n, b = F.shape[:2]
 
-    def times(x: Floats | None) -> Any:
-        return x if x is None or len(x) == 1 or b == 1 else np.repeat(x, b, axis=0)
+    def times(x: Any) -> Any:
+        return x if x is None or b == 1 or (len(x) == 1 and n > 1) else np.repeat(x, b, axis=0)
 
     F = np.ascontiguousarray(F.reshape(-1, 3, 3))
-    return replace(
-        pts,
+    return Points(
         F=F,
         J=det(F) if J is None else np.ascontiguousarray(J.reshape(-1)),
-        X=np.repeat(pts.X, b, axis=0),
-        e=np.repeat(pts.e, b),
+        X=times(pts.X),
+        e=times(pts.e),
+        t=pts.t,
+        dt=pts.dt,
         Q=times(pts.Q),
         old=times(pts.old) if history else None,
-        new=None,
         extra={k: times(v) if isinstance(v, np.ndarray) and len(v) == n else v for k, v in pts.extra.items()},
     )

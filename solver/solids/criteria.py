@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..kernels.return_map import mises
 from ..matrices import det, eigh, eigvalsh
 from ..points import Points
 from ..values import as_value
@@ -15,6 +16,7 @@ from .registry import register
 from .voigt import deviator, matrix, spectral, strain
 
 _EYE = np.eye(3)
+_NO_GRADIENT = np.empty((0, 3, 3))
 
 
 def _stress(base: Solid, pts: Points) -> Floats:
@@ -82,13 +84,19 @@ class VonMises(Criterion):
     """(3/2 dev sigma : dev sigma)^1/2."""
 
     def of(self, base: Solid, pts: Points) -> Floats:
-        return _mises(_stress(base, pts))
+        return self._both(base, pts, _NO_GRADIENT)
 
     def gradient(self, base: Solid, pts: Points) -> Floats:
-        s = _stress(base, pts)
-        vm = _mises(s)[:, None, None]
-        some = np.where(vm > np.finfo(float).eps, vm, 1.0)
-        return np.where(vm > np.finfo(float).eps, 1.5 / some * deviator(s), _EYE)
+        out = np.empty((pts.n, 3, 3))
+        self._both(base, pts, out)
+        return out
+
+    @staticmethod
+    def _both(base: Solid, pts: Points, gradient: Floats) -> Floats:
+        s, measure = np.zeros((pts.n, 6)), np.empty(pts.n)
+        base.stress(pts, s, None)
+        mises(s, measure, gradient)
+        return measure
 
 
 @dataclass(eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 from ..jit import kernel
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
+from ..special import expi
 from .base import Floats, Number, wanted
 from .fiber import Fiber, FiberLaw, UncoupledFiber
 from .registry import register
@@ -39,8 +40,6 @@ def tension(In, par, sn, cn):
 
 def fiber_energy(In: Floats, par: Floats) -> Floats:
     """W (n, m) of the law; Ei is the exponential integral."""
-    from scipy.special import expi
-
     c3, c4, c5, lam1 = par.T[:, :, None]
     c3 = np.where(c3 == 0, c5 / np.where(c4 == 0, 1.0, c4) * np.exp(-c4 * (lam1 - 1)), c3)
     c6 = c3 * np.expm1(c4 * (lam1 - 1)) - c5 * lam1

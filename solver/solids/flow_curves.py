@@ -45,15 +45,23 @@ class Geometric(FlowCurve):
     r: Number = 0.9
     parameters = ("Y0", "Ymax", "w0", "we", "r")
     options = ("nf",)
+    _found: Any = field(default=None, init=False, repr=False)  # the families, where they are the same everywhere
 
     @property
     def size(self) -> int:
         return int(self.nf)
 
     def families(self, pts: Points) -> tuple[Floats, Floats]:
-        Y0, Ymax, w0, we, r = np.broadcast_arrays(
-            *(as_value(getattr(self, p))(pts.t, pts.X, pts.e) for p in self.parameters)
-        )
+        if self._found is not None:
+            return self._found  # type: ignore[no-any-return]
+        values = [as_value(getattr(self, p)) for p in self.parameters]
+        found = self._made(*(v(pts.t, pts.X, pts.e) for v in values))
+        if all(v.constant for v in values):
+            self._found = found
+        return found
+
+    def _made(self, *values: Floats) -> tuple[Floats, Floats]:
+        Y0, Ymax, w0, we, r = np.broadcast_arrays(*values)
         n = self.size
         Ky, w = np.zeros((len(Y0), n)), np.zeros((len(Y0), n + 1))
         Ky[:, 0], w[:, 0], w[:, n] = Y0, w0, we
@@ -119,14 +127,22 @@ class MathCurve(FlowCurve):
         return self._found[1]  # type: ignore[no-any-return]
 
     def _between(self, a: float, b: float) -> tuple[Floats, Floats]:
-        from scipy.optimize import brentq
-
         Y: Any = self.plastic_response
         if self.size == 1:
             return np.array([[float(Y(a))]]), np.array([[1.0, 0.0]])
         stress = np.linspace(float(Y(a)), float(Y(b)), self.size)
-        inside = [brentq(lambda e, y=y: float(Y(e)) - y, a, b, xtol=1e-15, rtol=1e-14) for y in stress[1:-1]]
+        inside = [_where(Y, y, a, b) for y in stress[1:-1]]
         return _of_points(np.array([a, *inside, b]), stress)
+
+
+def _where(Y: Callable[[float], float], y: float, a: float, b: float) -> float:
+    """Where Y = y between a and b, by bisection to the last bit."""
+    rising = float(Y(a)) < y
+    while True:
+        e = 0.5 * (a + b)
+        if e in (a, b):
+            return e
+        a, b = (e, b) if (float(Y(e)) < y) == rising else (a, e)
 
 
 register(Geometric, "PFC paper", "flow_curve")

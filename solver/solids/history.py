@@ -27,6 +27,11 @@ def initial(root: Solid, n: int) -> Floats:
     return out
 
 
+def grows(root: Solid) -> bool:
+    """Has the tree a record whose memory may grow?"""
+    return any(type(node).room is not Solid.room for node in root.walk())
+
+
 def begin(root: Solid, pts: Points) -> Floats:
     """The converged state ``pts.old`` with room for the coming step.
 

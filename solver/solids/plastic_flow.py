@@ -2,97 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..matrices import det, inv
+from ..kernels.return_map import newton, normals, place, polar
+from ..matrices import det
 from ..points import Points
-from .base import Floats, Solid, deformed, evaluate
+from .base import Floats, Solid, evaluate
 from .batches import states
-from .voigt import matrix, norm, right_stretch, spectral
-
-_I = np.eye(3)
-_WEIGHT = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-Measure = Callable[[Floats], Floats]
 
 
-def _T(m: Floats) -> Floats:
-    return np.swapaxes(m, -1, -2)
-
-
-def _trace(m: Floats) -> Floats:
-    return np.trace(m, axis1=-2, axis2=-1)
-
-
-def _sym(m: Floats) -> Floats:
-    return 0.5 * (m + _T(m))
-
-
-def surface_normal(base: Solid, criterion: object, pts: Points) -> Floats:
-    """Derivative of the yield measure by U at ``pts`` (n, 3, 3), symmetric."""
-    from .voigt import vector
-
-    s, c = evaluate(base, pts)
-    d = criterion.gradient(base, pts)  # type: ignore[attr-defined]
-    ds = d @ matrix(s)
-    assert c is not None
-    cd = np.einsum("nij,nj->ni", c, vector(d) * _WEIGHT)
-    M = 2.0 * ds - _trace(ds)[:, None, None] * _I + matrix(cd)
-    Ui = spectral(_T(pts.F) @ pts.F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type]
-    R = pts.F @ Ui
-    return _sym(_T(R) @ M @ R @ Ui)
-
-
-@dataclass
+@dataclass(slots=True)
 class Trial:
     """Points of one bond family beyond yield, and the line of states along which it returns.
 
     U(lam) = sym(Ue (I - lam N)) beta, N the unit normal and ``beta`` keeping the plastic part isochoric;
-    F(lam) = R U(lam).
+    F(lam) = R U(lam); see :mod:`..kernels.return_map`.
     """
 
+    base: Solid
+    criterion: Any
+    at: Points  # the points at the last F(lam)
     Ue: Floats
     Us: Floats  # inverse of the plastic part so far (m, 3, 3)
     R: Floats
     N: Floats
     size: Floats  # of the normal (m,)
-    isochoric: bool
-    measure: Measure  # of a deformation gradient (m, 3, 3)
+    iso: int
 
     @classmethod
-    def start(cls, base: Solid, criterion: object, pts: Points, Us: Floats, iso: bool) -> Trial:
+    def start(cls, base: Solid, criterion: Any, pts: Points, Us: Floats, iso: bool) -> Trial:
         """``pts`` under the whole deformation, one for each of m trials; ``Us`` (m, 3, 3)."""
-        F, Fe = pts.F, pts.F @ Us
-        R = F @ spectral(_T(F) @ F, lambda w: 1.0 / np.sqrt(w))  # type: ignore[arg-type, operator]
-
-        def measure(F: Floats) -> Floats:
-            return criterion.of(base, deformed(pts, F))  # type: ignore[attr-defined, no-any-return]
-
-        N = surface_normal(base, criterion, deformed(pts, Fe))
-        size = norm(N)
-        return cls(right_stretch(Fe), Us, R, N / size[:, None, None], size, iso, measure)
-
-    def left(self, lam: Floats) -> Floats:
-        return _I - self.N * lam[:, None, None]
-
-    def beta(self, lam: Floats) -> Floats:
-        if not self.isochoric:
-            return np.ones(len(lam))
-        return np.cbrt(1.0 / det(self.Us @ self.left(lam)))
+        m = len(Us)
+        Fe, R, Ue, Ri, N = (np.empty((m, 3, 3)) for _ in range(5))
+        Je, size = np.empty(m), np.empty(m)
+        polar(np.ascontiguousarray(pts.F), np.ascontiguousarray(Us), Fe, Je, R, Ue, Ri)
+        at = pts.under(Fe, Je)
+        s, c = evaluate(base, at)
+        normals(s, c, np.ascontiguousarray(criterion.gradient(base, at)), Fe, Ue, Ri, N, size)
+        return cls(base, criterion, pts.under(np.empty((m, 3, 3)), np.empty(m)), Ue, Us, R, N, size, int(iso))
 
     def F(self, lam: Floats) -> Floats:
-        return self.R @ (_sym(self.Ue @ self.left(lam)) * self.beta(lam)[:, None, None])
+        """Deformation gradients (m, 3, 3), overwritten by the next call."""
+        place(self.R, self.Ue, self.N, self.Us, lam, self.iso, self.at.F, self.at.J)
+        return self.at.F
+
+    def measure(self, lam: Floats) -> Floats:
+        """The yield measure at F(lam) (m,)."""
+        self.F(lam)
+        return self.criterion.of(self.base, self.at)  # type: ignore[no-any-return]
 
     def newton(self, lam: Floats, phi: Floats) -> Floats:
         """Step of lam towards phi = 0 by the derivative of U along the normal."""
-        beta, ImN = self.beta(lam), self.left(lam)
-        dU = -self.Ue @ self.N * beta[:, None, None]
-        if self.isochoric:
-            dU = dU + self.Ue @ ImN * (_trace(inv(ImN) @ self.N) * beta / 3.0)[:, None, None]
-        return -phi / (self.size * _trace(self.N @ _T(dU)))
+        out = np.empty(len(lam))
+        newton(self.Ue, self.N, self.Us, self.size, lam, phi, self.iso, out)
+        return out
 
 
 def beyond_yield(
@@ -109,9 +75,7 @@ def families_at(pts: Points, rows: Floats, f: int) -> Points:
     """The points of selected rows of n f families, under their own whole deformation."""
     n = np.asarray(rows) // f
     Q = pts.Q if pts.Q is None or len(pts.Q) == 1 else pts.Q[n]
-    return replace(
-        pts, F=pts.F[n], J=pts.J[n], X=pts.X[n], e=pts.e[n], Q=Q, old=None, new=None, extra={}
-    )
+    return Points(pts.F[n], pts.J[n], pts.X[n], pts.e[n], pts.t, pts.dt, Q)
 
 
 def mixed_stress(

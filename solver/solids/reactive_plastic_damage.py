@@ -26,7 +26,7 @@ def return_to_surface(trial: Trial, Ky: Floats, rtol: float) -> tuple[Floats, Fl
     lam, live = np.zeros(m), np.ones(m, bool)
     l, p = np.zeros((3, m)), np.zeros((3, m))
     for k in range(3):
-        phi = trial.measure(trial.F(lam)) - Ky
+        phi = trial.measure(lam) - Ky
         l[k], p[k] = lam, phi
         step = trial.newton(lam, phi)
         nxt = lam + step
@@ -36,8 +36,8 @@ def return_to_surface(trial: Trial, Ky: Floats, rtol: float) -> tuple[Floats, Fl
         live = live & ~((np.abs(step) <= rtol * np.abs(lam)) | (np.abs(lam) <= rtol * rtol))
         if not live.any():
             break
-    F = trial.F(lam)
-    return F, trial.measure(F)
+    K = trial.measure(lam)
+    return trial.at.F, K
 
 
 def _root(l: Floats, p: Floats) -> Floats:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.return_map import advance
 from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
@@ -19,68 +20,18 @@ _K, _W, _Y = 9, 10, 11
 _ROUNDS = 20
 
 
-def _parabola(l: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
-    """a, b, c of the parabola through three points (l, p), each (3, m); the line's sums where two coincide."""
-    l0, l1, l2 = l
-    p0, p1, p2 = p
-    d = (l0 - l1) * (l0 - l2) * (l1 - l2)
-    some = np.where(d == 0, 1.0, d)
-    a = (l2 * (p1 - p0) + l1 * (p0 - p2) + l0 * (p2 - p1)) / some
-    b = (l2**2 * (p0 - p1) + l0**2 * (p1 - p2) + l1**2 * (p2 - p0)) / some
-    c = (l0 * l2 * (l2 - l0) * p1 + l1**2 * (l2 * p0 - l0 * p2) + l1 * (p2 * l0**2 - p0 * l2**2)) / some
-    return np.where(d == 0, 0.0, a), np.where(d == 0, 0.0, b), np.where(d == 0, 0.0, c)
-
-
-def _guess(l: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
-    """Root of the parabola through three trials, its second root (nan where none), and the parabola there."""
-    a, b, c = _parabola(l, p)
-    flat = a == 0
-    safe = np.where(flat, 1.0, a)
-    disc = b * b - 4 * a * c
-    root = np.sqrt(np.maximum(disc, 0.0))
-    r1, r2 = (-b + root) / (2 * safe), (-b - root) / (2 * safe)
-    small, large = np.where(np.abs(r1) < np.abs(r2), r1, r2), np.where(np.abs(r1) >= np.abs(r2), r1, r2)
-    apart = r1 * r2 < 0
-    lam = np.where(apart, np.maximum(r1, r2), small)
-    other = np.where(apart | flat | (disc < 0), np.nan, large)
-    sx, sy = l.sum(0), p.sum(0)
-    spread = 3 * (l**2).sum(0) - sx**2
-    slope = (3 * (l * p).sum(0) - sx * sy) / np.where(spread == 0, 1.0, spread)
-    line = -((sy - slope * sx) / 3) / np.where(slope == 0, 1.0, slope)
-    none = np.where(line < 0, -b / (2 * safe), line)
-    lam = np.where(disc < 0, none, lam)
-    lam = np.where(flat, np.where(b != 0, -c / np.where(b == 0, 1.0, b), 0.0), lam)
-    coincide = (l[0] == l[1]) | (l[0] == l[2]) | (l[1] == l[2])
-    lam = np.where(coincide, np.where(l[0] == l[1], l[1], l[2]), lam)
-    return lam, np.where(coincide, np.nan, other), a * lam**2 + b * lam + c
-
-
 def return_to_surface(trial: Trial, Ky: Floats, rtol: float) -> tuple[Floats, Floats]:
     """Deformation gradients (m, 3, 3) on the yield surface, and the last yield measure (m,).
 
     Newton's steps along the normal, every third replaced by a root of the parabola through the last three.
     """
     m = len(Ky)
-    lam, phi = np.zeros(m), np.zeros(m)
-    other = np.full(m, np.nan)
-    l, p = np.zeros((3, m)), np.zeros((3, m))
-    live = np.ones(m, bool)
+    lam, phi, other = np.zeros(m), np.zeros(m), np.full(m, np.nan)
+    l, p, live = np.zeros((3, m)), np.zeros((3, m)), np.ones(m, bool)
+    line = trial.Ue, trial.N, trial.Us, trial.size, trial.iso
     for k in range(2 * _ROUNDS):
-        value = trial.measure(trial.F(lam)) - Ky
-        it = k % 3
-        l[it], p[it] = np.where(live, lam, l[it]), np.where(live, value, p[it])
-        nxt = lam + trial.newton(lam, value)
-        now = value
-        if it == 2:
-            nxt, second, now = _guess(l, p)
-            other = np.where(live & ~np.isnan(second), second, other)
-        lam, phi = np.where(live, nxt, lam), np.where(live, now, phi)
-        live = live & ~(np.abs(phi) <= rtol)
-        if k >= _ROUNDS:
-            retry = live & ~np.isnan(other)
-            lam, other = np.where(retry, other, lam), np.where(retry, np.nan, other)
-            live = retry
-        if not live.any():
+        value = trial.measure(lam) - Ky
+        if not advance(k, _ROUNDS, rtol, value, *line, lam, phi, other, l, p, live):
             break
     return trial.F(lam), phi + Ky
 

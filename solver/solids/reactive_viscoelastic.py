@@ -100,19 +100,6 @@ class _Bonds:
             return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
         return np.abs(np.log(det(F)))
 
-    def _begun(self, pts: Points) -> Any:
-        """Where an earlier evaluation of the step began a generation: it stays, though the strain has come back.
-
-        Without this a point at the threshold gains and loses its generation from one iteration to the next.
-        """
-        if pts.new is None:
-            return np.zeros(pts.n, bool)
-        at, h = self.offset, self.history  # type: ignore[attr-defined]
-        new = pts.new[:, at : at + h]
-        births = new[:, _HEAD:].reshape(pts.n, self.capacity, _EACH)[:, :, _V]
-        last = np.maximum(new[:, 0] - 1, 0).astype(int)
-        return (new[:, 0] > 0) & (births[np.arange(pts.n), last] == pts.t)
-
     def _slack(self, pts: Points, law: Law) -> Any:
         """Where both parts are fibers that bear no load, no generation starts."""
         families = (Fiber, UncoupledFiber)
@@ -123,26 +110,24 @@ class _Bonds:
         return ~s.any(1)
 
     def _advance(self, pts: Points, strong: Law) -> tuple[Floats, Floats, Floats]:
-        """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1)."""
+        """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1) where it matters."""
         at, h = self.offset, self.history  # type: ignore[attr-defined]
         old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
         count = old[:, 0].copy()
         gen = old[:, _HEAD:].reshape(pts.n, self.capacity, _EACH).copy()
         rate = np.zeros((pts.n, 1))
-        if pts.dt > 0:
+        if pts.dt > 0 and self.relaxation.rated:
             L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ inv(pts.F) / pts.dt
             rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
         wmin, emin = self.par(pts).T  # type: ignore[attr-defined]
-        eps = np.maximum(emin, 10 * np.finfo(float).eps)
-        rows = np.arange(pts.n)
-        last = gen[rows, np.maximum(count - 1, 0).astype(int), _V]
-        born = (count == 0) | (last < pts.t)
-        if wmin.any():
-            born &= self._reforming(pts, gen, count, rate) >= wmin
-        born &= self._changed(pts.F, gen, count) > eps
-        born &= ~self._slack(pts, strong)
-        born |= self._begun(pts)
-        who = np.flatnonzero(born)
+        slack = self._slack(pts, strong)
+        now = np.zeros(pts.n, bool) if pts.new is None else self._begun(pts)
+        born = now | (self._due(pts, gen, count, rate, wmin, emin) if not now.all() else False)
+        for i in np.flatnonzero(now & slack):  # what an earlier iteration of the step has begun stays
+            assert pts.new is not None
+            count[i] = pts.new[i, at]
+            gen[i] = pts.new[i, at + _HEAD : at + h].reshape(self.capacity, _EACH)
+        who = np.flatnonzero(born & ~slack)
         if len(who):
             self._begin(pts, gen, count, rate, who)
             if wmin.any():
@@ -152,6 +137,25 @@ class _Bonds:
             pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
             pts.new[:, at + _HEAD : at + h] = gen.reshape(pts.n, -1)
         return gen, count, rate
+
+    def _due(
+        self, pts: Points, gen: Floats, count: Floats, rate: Floats, wmin: Floats, emin: Floats
+    ) -> Any:
+        """Points (n,) whose strain has changed since the last generation, while enough bonds reform."""
+        eps = np.maximum(emin, 10 * np.finfo(float).eps)
+        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
+        due = (count == 0) | (last < pts.t)
+        if wmin.any():
+            due &= self._reforming(pts, gen, count, rate) >= wmin
+        return due & (self._changed(pts.F, gen, count) > eps)
+
+    def _begun(self, pts: Points) -> Any:
+        """Points (n,) with a generation of the present time in ``pts.new``."""
+        at, h = self.offset, self.history  # type: ignore[attr-defined]
+        assert pts.new is not None
+        count, gen = pts.new[:, at], pts.new[:, at + _HEAD : at + h].reshape(pts.n, self.capacity, _EACH)
+        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
+        return (count > 0) & (last == pts.t)
 
     def _begin(self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any) -> None:
         k = count[who].astype(int)

@@ -8,14 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..kernels.push import congruence
-from ..matrices import inv
+from ..kernels.prony import prony
 from ..points import Points
 from .base import Floats, Number, Property, Solid
 from .registry import register
 from .uncoupled import Uncoupled, distortional
 
 _TERMS = 6
+_NO_HISTORY = np.empty((0, 0))
 
 
 @dataclass(eq=False)
@@ -55,26 +55,13 @@ class _Series:
             if c is not None and ce is not None:
                 c += ce
             return
-        g, tau = self.par(pts)[:, :7].T, self.par(pts)[:, 7:].T  # type: ignore[attr-defined]
-        x = pts.dt / tau
-        decay, rise = np.exp(-x), -np.expm1(-x) / x
-        at = self.offset  # type: ignore[attr-defined]
-        Se = np.empty_like(se)
-        congruence(inv(pts.F), pts.J, se, Se)
-        old = np.zeros((pts.n, self.history)) if pts.old is None else pts.old[:, at : at + self.history]
-        now = np.empty((pts.n, self.history))
-        now[:, :6] = Se
-        H, before = now[:, 6:].reshape(-1, _TERMS, 6), old[:, 6:].reshape(-1, _TERMS, 6)
-        np.multiply(decay.T[:, :, None], before, out=H)
-        H += rise.T[:, :, None] * (Se - old[:, :6])[:, None]
-        S = g[0][:, None] * Se + (g[1:].T[:, :, None] * H).sum(1)
-        if pts.new is not None:
-            pts.new[:, at : at + self.history] = now
-        out = np.empty_like(se)
-        congruence(np.ascontiguousarray(pts.F), 1.0 / pts.J, S, out)
-        s += out
+        at: int = self.offset  # type: ignore[attr-defined]
+        old = np.zeros((pts.n, at + self.history)) if pts.old is None else pts.old
+        new = _NO_HISTORY if pts.new is None else pts.new
+        scale = np.empty(pts.n)
+        prony(pts.F, pts.J, se, self.par(pts), pts.dt, at, old, new, s, scale)  # type: ignore[attr-defined]
         if c is not None and ce is not None:
-            c += (g[0] + (g[1:] * rise).sum(0))[:, None, None] * ce
+            c += scale[:, None, None] * ce
 
 
 @dataclass(eq=False)

@@ -9,7 +9,7 @@ import pytest
 
 from febkit.feb import read_bytes, to_bytes
 from febkit.feb.convert import VERSIONS
-from febkit.feb.validate import check
+from febkit.feb.validation import check
 from febkit.model import InputError
 
 from .mutate import mutate

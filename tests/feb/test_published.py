@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from febkit.feb import diff, read, read_bytes, to_bytes
-from febkit.feb.validate import check
+from febkit.feb.validation import check
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "oracle"
 MODELS = sorted(SHARED.glob("*/models/*.feb"))

@@ -204,3 +204,13 @@ def test_kernels_that_enclose_what_has_no_name_are_left_to_numba(cache: Path) ->
     kernel = Kernel(first, {})
     assert kernel(np.array([4.0])) == 8.0
     assert kernel._native == ()
+
+
+def test_eigenvectors_have_code_of_their_own(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whole-array copies send a kernel through numba's dispatcher, and a solve through numba's import."""
+    from febkit.solver.kernels.ordered_spectra import ordered_spectra
+
+    monkeypatch.setenv("FEBKIT_NATIVE", "1")
+    A, w, V = np.diag([3.0, 1.0, 2.0])[None].copy(), np.empty((1, 3)), np.empty((1, 3, 3))
+    Kernel(ordered_spectra.function, {})(A, w, V)
+    assert w.tolist() == [[1.0, 2.0, 3.0]]

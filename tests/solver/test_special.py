@@ -28,3 +28,10 @@ def test_incomplete_gamma(a: float) -> None:
 def test_shapes_are_broadcast() -> None:
     assert special.gammainc(np.full((3, 1), 2.0), np.ones((1, 4))).shape == (3, 4)
     assert special.erfc(2.0).shape == () and special.erfc(np.ones((2, 0))).shape == (2, 0)
+
+
+def test_exponential_integral_of_both_signs() -> None:
+    x = np.concatenate([X, -X, [1.0, -1.0, 40.0, 39.999, 0.372, -0.999999]])
+    np.testing.assert_allclose(special.expi(x), reference.expi(x), rtol=1e-12, atol=2e-16)
+    assert special.expi(0.0) == -np.inf
+    assert special.expi(-800.0) == 0.0

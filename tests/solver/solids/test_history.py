@@ -150,3 +150,27 @@ def test_a_generation_joins_free_of_stress_where_its_step_starts():
     np.testing.assert_allclose(s[0], alone(path[0]), rtol=1e-12, atol=1e-15)
     for got, F in zip(s[1:], path[1:], strict=True):
         np.testing.assert_allclose(got, alone(F) + alone(F @ np.linalg.inv(path[0])), rtol=1e-12, atol=1e-15)
+
+
+def test_a_generation_begun_in_a_step_stays_for_the_step():
+    """A first iterate beyond emin starts a generation; the iterates after it move it, but do not take it back."""
+    relaxation = load("relaxation", "relaxation-exponential")(tau=0.7)
+    solid = load("solid", "reactive viscoelastic")(
+        elastic=neo_hookean(), bond=neo_hookean(), relaxation=relaxation, emin=0.01
+    )
+    far, near = (np.diag([a, 1.0, 1.0])[None] for a in (1.05, 1.001))
+    old = history.initial(solid, 1)
+
+    def count(path):
+        new = old.copy()
+        for F in path:
+            pts = Points.at(F, t=0.1, dt=0.1, old=old)
+            pts.new = new
+            evaluate(solid, pts, False)
+        return new[0, 0], new[0, 10 + 5]  # generations; U_xx of the first
+
+    assert count([near]) == (0.0, 0.0)
+    assert count([far])[0] == 1.0
+    number, U = count([far, near])
+    assert number == 1.0
+    assert abs(U - 1.001) < 1e-9
