@@ -7,6 +7,7 @@ from typing import Any
 _NAMES = {
     "Study": "config",
     "read": "config",
+    "Place": "plan",
     "Plan": "plan",
     "make_plan": "plan",
     "Store": "store",
