@@ -58,7 +58,7 @@ class Resources:
 class Study:
     """A study: models, cases, methods, points and seeds; ``folder`` is where its results live.
 
-    ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] says it.
+    ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] names no list.
     """
 
     file: Path
@@ -190,19 +190,22 @@ def _points(t: Mapping[str, Any], base: Path, where: Where) -> tuple[Point, ...]
 def _seeds(
     cell: dict[str, Any], embedded: Mapping[str, Any], where: Where
 ) -> tuple[dict[str, Any], tuple[int | None, ...]]:
-    """``seeds`` = [1, 2, 3] of [cell]: a model of the cells for each, all else the same."""
-    if "seeds" not in cell:
+    """``seed`` = [1, 2, 3] of [cell]: a model of the cells for each, all else the same."""
+    seeds = cell.get("seed")
+    if not isinstance(seeds, list):
         return cell, (None,)
-    for name, table in (("cell", cell), ("embedded", embedded)):
-        for other in ("seed", "file", "results"):
+    for name, table, files in (
+        ("cell", cell, ("file",)),
+        ("embedded", embedded, ("file", "results", "seed")),
+    ):
+        for other in files:
             if other in table:
-                raise InputError(f"[cell] has seeds, so [{name}] must have no {other}", where)
-    seeds = cell["seeds"]
-    if not isinstance(seeds, list) or not seeds or not all(type(s) is int and s >= 0 for s in seeds):
-        raise InputError(f"seeds must be a list of whole numbers from 0 on, not {seeds!r}", where)
+                raise InputError(f"[cell] has several seeds, so [{name}] must have no {other}", where)
+    if not seeds or not all(type(s) is int and s >= 0 for s in seeds):
+        raise InputError(f"seeds must be whole numbers from 0 on, not {seeds!r}", where)
     if len(set(seeds)) < len(seeds):
         raise InputError("a seed is given twice", where)
-    return {k: v for k, v in cell.items() if k != "seeds"}, tuple(seeds)
+    return {k: v for k, v in cell.items() if k != "seed"}, tuple(seeds)
 
 
 def _numbers(row: Any) -> list[float] | None:

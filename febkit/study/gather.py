@@ -30,7 +30,7 @@ def finished(plan: Plan) -> Iterator[tuple[Place, xr.Dataset]]:
 def results(plan: Plan) -> xr.Dataset:
     """All metrics (case, handoff, point, cell, time); NaN where a step has not been done.
 
-    Where [cell] has seeds, (case, handoff, point, seed, cell, time). Times are those of the first result.
+    Where [cell] has a list of seeds, (case, handoff, point, seed, cell, time). Times are those of the first result.
     """
     import xarray as xr
 

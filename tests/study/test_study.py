@@ -66,9 +66,9 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     ("[points]\nat = [[0, 0]]", "three numbers"), ("[points]\nat = [[0, 0, 0], [0, 0, 0]]", "twice"),
     ('[points]\nfile = "none.csv"', "none.csv"), ('[cell]\nfile = "none.feb"', "none.feb"),
     ('[run]\nkeep = "some"', "keep"), ("[run]\ncores = 3", "cores"), ("cases = [", "TOML"),
-    ("[cell]\nseeds = 3", "seeds must be"), ("[cell]\nseeds = [1, 1]", "twice"),
-    ("[cell]\nseeds = [true]", "whole numbers"), ("[cell]\nseed = 1\nseeds = [1]", "no seed"),
-    ("[cell]\nseeds = [1]\n[embedded]\nresults = 'x.xplt'", "no results"),
+    ("[cell]\nseed = []", "seeds must be"), ("[cell]\nseed = [1, 1]", "twice"),
+    ("[cell]\nseed = [true]", "whole numbers"), ("[cell]\nseed = [1]\nfile = 'x.feb'", "no file"),
+    ("[cell]\nseed = [1]\n[embedded]\nresults = 'x.xplt'", "no results"),
 ])
 def test_bad_studies_are_refused_clearly(tmp_path, entry, word):
     with pytest.raises(InputError, match=word) as e:
@@ -110,7 +110,7 @@ def test_addresses_follow_content(tmp_path):
 
 
 def test_seeds_share_the_tissue(tmp_path):
-    one, three = (plan_of(tmp_path, "control=true", f"cell.{s}") for s in ("seed=2", "seeds=[1, 2, 3]"))
+    one, three = (plan_of(tmp_path, "control=true", f"cell.{s}") for s in ("seed=2", "seed=[1, 2, 3]"))
     kinds = [s.kind for s in three.steps().values()]
     assert kinds.count("build") == 1 + 3 + 3 and kinds.count("series") == 2
     # a seed among several is the same model as the one seed of [cell]
@@ -125,7 +125,7 @@ def test_results_of_several_seeds(tmp_path, monkeypatch):
     """Each at its own place of one dataset."""
     import xarray as xr
 
-    p = plan_of(tmp_path, "cell.seeds=[4, 7]")
+    p = plan_of(tmp_path, "cell.seed=[4, 7]")
 
     def measured(plan):
         for n, place in enumerate(plan.metrics):
