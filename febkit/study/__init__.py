@@ -12,6 +12,7 @@ _NAMES = {
     "make_plan": "plan",
     "Store": "store",
     "results": "gather",
+    "finished": "gather",
     "status": "gather",
     "failures": "gather",
     "agreements": "gather",

@@ -61,7 +61,7 @@ def test_the_published_numbers_have_the_published_pattern():
     assert {s.verdict for s in said} == {"holds"}
     b = said[1]
     assert b.numbers["effective strain"] == [pytest.approx(0.128 / 0.318)]
-    assert "effective strain 0.40" in b.published
+    assert "effective strain 0.40 (0.40)" in str(b.row()[3])
     assert said[3].numbers["order 2"] == [pytest.approx(1.4)]
     text = pattern.table(said).markdown()
     assert "order 1 0.97; order 2 1.40; order 2/1 1.02" in text
@@ -95,7 +95,7 @@ def test_seeds_are_counted():
     agreed[at] = compare(control(), off(dict.fromkeys(METRICS, 0.3)))
     b = next(s for s in pattern.statements(METHODS, agreed, found) if s.case == "B")
     assert b.verdict == "holds for 2 of 3 seeds"
-    assert "0.58 [0.40, 0.94]" in str(b.row()[3])
+    assert "0.58 [0.40, 0.94] (0.40)" in str(b.row()[3])
 
 
 def test_what_cannot_be_said_is_left_out():
