@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from febkit.metrics import units
-from febkit.metrics.fields import FIELDS, element_fields
+from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
 from febkit.model import InputError
 
 from . import canvas
@@ -107,7 +107,7 @@ def sections(
     field    one of the element fields (scalar), by default the effective strain
     parts    parts shown; all by default. ``window``: (left, right, bottom, top) in the deformed plane
     """
-    if field not in FIELDS or field in ("principal_strain", "fluid_flux"):
+    if field not in FIELDS or field in COMPONENTS:
         raise InputError(
             f"{field!r} is no scalar element field; choose from effective_strain, effective_stress, "
             "max_shear_strain, volume"
