@@ -36,6 +36,7 @@ TIMES = "model.times=[0, 0.01, 0.05, 0.1]"
 VARIANTS = {
     "uniform": ["tissue.n=11", "tissue.vertical=41", "tissue.centre=0.0"],
     "middle": ["tissue.n=11", "tissue.vertical=35", "tissue.centre=0.2"],
+    "fine, middle": ["tissue.n=21", "tissue.vertical=35", "tissue.centre=0.2"],
     "short steps": ["tissue.n=11", "tissue.vertical=41", "tissue.centre=0.0", "model.ramp_step=0.005"],
 }
 
