@@ -10,8 +10,11 @@ steps of the study and shorter ones. Prints a Markdown row for each tissue, case
 - slope: |grad dJ/dt| times half the cube's edge, in 1/s: how much faster one side of the cube is made to grow than its
   middle. Order 2 of the solid has it of F and G (grad J = J F^-T : G); order 1 has none;
 - median: of the cells' mass exchange rates, over the control's;
+- balance: the same of -rho dV/dt over the last sampling interval, which does not depend on the steps within it;
 - error: RMS difference to the control over the cells, over the control's largest rate;
-- rho: Spearman's rank correlation with the control over the cells.
+- rho: Spearman's rank correlation with the control over the cells;
+- by place: correlation over the cells of the error with -grad dJ/dt . X, X the cell's middle (order 2 of the solid).
+  Near 1, the error is what the hand-off's own change of volume drives out on one side of the point and in on the other.
 """
 
 from __future__ import annotations
@@ -36,18 +39,17 @@ TIMES = "model.times=[0, 0.01, 0.05, 0.1]"
 VARIANTS = {
     "uniform": ["tissue.n=11", "tissue.vertical=41", "tissue.centre=0.0"],
     "middle": ["tissue.n=11", "tissue.vertical=35", "tissue.centre=0.2"],
-    "fine, middle": ["tissue.n=21", "tissue.vertical=35", "tissue.centre=0.2"],
     "short steps": ["tissue.n=11", "tissue.vertical=41", "tissue.centre=0.0", "model.ramp_step=0.005"],
 }
 
 
-def volume_rates(driving: xr.Dataset, edge: float) -> tuple[float, float]:
-    """dJ/dt at the point, and |grad dJ/dt| times half the edge, over the last step."""
+def volume_rates(driving: xr.Dataset) -> tuple[float, np.ndarray]:
+    """dJ/dt at the point and its gradient, over the last step."""
     F, G = (driving[k].values[0, -2:] for k in ("F", "G"))
     J = np.linalg.det(F)
     slope = J[:, None] * np.einsum("tji,tijk->tk", np.linalg.inv(F), G)
     dt = float(np.diff(driving["time"].values[-2:])[0])
-    return float(np.diff(J)[0] / dt), float(np.linalg.norm(np.diff(slope, axis=0)) / dt * edge / 2)
+    return float(np.diff(J)[0] / dt), np.diff(slope, axis=0)[0] / dt
 
 
 def rows(plan: Plan) -> Iterator[tuple[str, str, str, tuple[float, ...]]]:
@@ -56,21 +58,24 @@ def rows(plan: Plan) -> Iterator[tuple[str, str, str, tuple[float, ...]]]:
     for case in plan.study.cases:
         for m in plan.study.methods:
             each = []
+            rate, slope = np.nan, np.full(3, np.nan)
+            model = plan.metrics[Place(case, m.name)].inputs["model"]
+            if "series" in model.inputs and store.has(model.inputs["series"].key):
+                rate, slope = volume_rates(coupling.read_driving(store.path(model.inputs["series"].key) / SERIES))
+                slope = slope if m.solid == 2 else np.zeros(3)
             for place in [p for p in found if p.case == case and p.method == m.name]:
-                pair = (place._replace(method=CONTROL), place)
-                a, b = (found[p]["mass_exchange_rate"].isel(time=-1).values for p in pair)
+                control, own = (found[p].isel(time=-1) for p in (place._replace(method=CONTROL), place))
+                a, b = (ds["mass_exchange_rate"].values for ds in (control, own))
+                lost = float(own["volume_loss_rate"].median() / control["volume_loss_rate"].median())
                 rho = float(spearmanr(a, b)[0])
                 error = float(np.sqrt(np.mean((b - a) ** 2)) / np.abs(a).max())
-                each.append((float(np.median(b) / np.median(a)), error, rho))
+                x = found[place]["centroid"].isel(time=0).values @ -slope
+                along = float(np.corrcoef(b - a, x)[0, 1]) if np.ptp(x) > 0 else np.nan
+                each.append((float(np.median(b) / np.median(a)), lost, error, rho, along))
             if not each:
                 continue
-            rates = (np.nan, np.nan)
-            model = plan.metrics[Place(case, m.name)].inputs["model"]
-            if "series" in model.inputs:
-                driving = coupling.read_driving(store.path(model.inputs["series"].key) / SERIES)
-                rate, slope = volume_rates(driving, 0.1)
-                rates = (rate, slope if m.solid == 2 else 0.0)
             order, _, recovery = m.name.partition(" ")
+            rates = (rate, float(np.linalg.norm(slope)) * 0.1 / 2)
             yield case, order, recovery or ("" if order == "overlay" else "patches"), (*rates, *np.mean(each, axis=0))
 
 
@@ -82,15 +87,17 @@ def main() -> None:
     ap.add_argument("--methods", nargs="*", default=METHODS)
     ap.add_argument("--folder", type=Path, default=Path("exchange.study"))
     ap.add_argument("--scheduler", default="serial")
+    ap.add_argument("--only-print", action="store_true", help="the table of what is done, nothing solved")
     a = ap.parse_args()
     shared = [f"cases={json.dumps(a.cases)}", f"methods={json.dumps(a.methods)}", TIMES, f"cell.seed={a.seeds}",
               f"folder={json.dumps(str(a.folder.resolve()))}"]  # fmt: skip
-    print("| tissue | case | recovery | order | dJ/dt | slope | median | error | rho |\n" + "|---" * 9 + "|")
+    head = ["tissue", "case", "recovery", "order", "dJ/dt", "slope", "median", "balance", "error", "rho", "by place"]
+    print(f"| {' | '.join(head)} |\n" + "|---" * len(head) + "|")
     for name in a.only:
         plan = study.make_plan(study.read(REDUCED, [*shared, *VARIANTS[name]]))
-        summary = study.carry_out(plan, a.scheduler)
-        for o in summary.failed:
-            print(o.label, o.message)
+        if not a.only_print:
+            for o in study.carry_out(plan, a.scheduler).failed:
+                print(o.label, o.message)
         for case, order, recovery, v in rows(plan):
             text = " | ".join("" if np.isnan(x) else f"{x:.3f}" if k < 2 else f"{x:.2f}" for k, x in enumerate(v))
             print(f"| {name} | {case} | {recovery} | {order} | {text} |", flush=True)
