@@ -40,6 +40,14 @@ if TYPE_CHECKING:
 )
 @click.option("-p", "--part", "parts", multiple=True, help="Parts of the summary [default: all].")
 @click.option(
+    "-q",
+    "--quantile",
+    "quantiles",
+    type=click.FloatRange(0, 1),
+    multiple=True,
+    help="Quantiles of the summary, weighted by deformed volume [default: 0.05 0.25 0.5 0.75 0.95].",
+)
+@click.option(
     "--fields", is_flag=True, help="Write element fields (strain, stress, flux) instead of cell metrics."
 )
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write .nc or .csv.")
@@ -55,6 +63,7 @@ def command(
     times: tuple[float, ...],
     variable: str | None,
     parts: tuple[str, ...],
+    quantiles: tuple[float, ...],
     fields: bool,
     output: Path | None,
     style: str,
@@ -64,14 +73,17 @@ def command(
     \b
     febkit metrics run.xplt                          # cells: parts or sets called cell... or chondrocyte...
     febkit metrics run.xplt -c "chondro*" -o cells.nc
-    febkit metrics run.xplt -v stress:effective -p pcm_1 --at 0.1 --at 100
+    febkit metrics run.xplt -v stress:effective -p pcm_1 -q 0.5 -q 0.95 --at 0.1 --at 100
     """
     from febkit import metrics
+    from febkit.metrics.summary import QUANTILES
 
     ds, m = opened(results, model)
     if variable:
-        data = metrics.summarize(ds, variable, parts or None)
-        _printed(data, ["mean", "least", "greatest"], "part", times, style)
+        data = metrics.summarize(ds, variable, parts or None, quantiles or QUANTILES)
+        q = {f"quantile_{x:g}": data["quantiles"].sel(quantile=x) for x in data["quantile"].values}
+        data = data.assign({k: v.drop_vars("quantile") for k, v in q.items()})
+        _printed(data, ["mean", "least", *q, "greatest"], "part", times, style)
     elif fields:
         data = metrics.element_fields(ds, list(cells) or "*", m)
         if output is None:

@@ -85,10 +85,18 @@ def status(study: Path, overrides: tuple[str, ...]) -> None:
 )
 @click.option("--no-figures", is_flag=True, help="Tables and dataset only.")
 def report(study: Path, overrides: tuple[str, ...], output: Path | None, no_figures: bool) -> None:
-    """Tables 2 and 3, figures 4 to 8, and all metrics in one dataset, of what is done so far."""
+    """Tables 2 and 3, figures 4 to 8, and all metrics in one dataset, of what is done so far.
+
+    Says first whether the published study's pattern comes out.
+    """
     from febkit.study import write_report
+    from febkit.study.report import pattern_tables
+
+    from .metrics import emit
 
     plan = _plan(study, overrides)
+    for table in pattern_tables(plan):
+        emit(table, "rich" if sys.stdout.isatty() else "text")
     for path in write_report(plan, output or plan.study.folder / "report", figures=not no_figures):
         click.echo(f"wrote {path}")
 

@@ -33,8 +33,10 @@ FIELDS = {
     ),
     "max_shear_strain": ("", "max |Ei - Ej| of the Green-Lagrange strain, mean over the integration points"),
     "principal_strain": ("", "principal values of the element's mean Green-Lagrange strain, largest first"),
+    "principal_stress": ("stress", "principal values of the element's mean Cauchy stress, largest first"),
     "fluid_flux": ("flux", "-K grad p, mean over the integration points"),
 }
+COMPONENTS = ("principal_strain", "principal_stress", "fluid_flux")  # not scalar
 SCALARS = ("effective_strain", "effective_stress", "max_shear_strain")
 
 
@@ -86,15 +88,18 @@ def element_fields(
     sweep = Sweep(ds, groups, sources, gradients=want_flux)
     store = _Store(ds.sizes["time"], rows)
     flux = [sources.element_flux(g) if want_flux else None for g in groups]
+    stress = [sources.mean_stress(g) if "principal_stress" in names else None for g in groups]
     for t, states in sweep:
         for k, (g, s) in enumerate(zip(groups, states)):
             values = sweep.scalars(k, g, s, t)
             values["volume"] = s.volume
             if "principal_strain" in names:
                 values["principal_strain"] = tensors.principal(g.mean(tensors.green_lagrange(s.F)))
-            law = flux[k]
-            if law is not None:
-                values["fluid_flux"] = law(s, t)
+            for name, law in (("fluid_flux", flux[k]), ("principal_stress", stress[k])):
+                if law is not None:
+                    values[name] = law(s, t)
+            if "principal_stress" in values:
+                values["principal_stress"] = tensors.principal(values["principal_stress"])
             store.put(t, g.rows, {n: v for n, v in values.items() if n in names})
     return _dataset(ds, store, sources)
 
@@ -119,7 +124,7 @@ def _dataset(ds: xr.Dataset, store: _Store, sources: Sources) -> xr.Dataset:
 
     u = units.of(ds.attrs.get("units"))
     unit = {"volume": f"{u.length}^3", "stress": u.stress, "flux": u.flux, "": "1"}
-    dims = {"principal_strain": ("principal",), "fluid_flux": ("xyz",)}
+    dims = {"principal_strain": ("principal",), "principal_stress": ("principal",), "fluid_flux": ("xyz",)}
     data = {}
     for name, values in store.arrays.items():
         kind, formula = FIELDS[name]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-# effective stress (e,) of a group's elements at a state, time index
+# effective stress (e,), or mean stress (6, e), of a group's elements at a state, time index
 T = TypeVar("T")
 EffectiveStress = Callable[[State, int], Floats]
 # element-node flux (3, n, e) of a group at a state, time index
@@ -113,6 +113,19 @@ class Sources:
                 v = self._element(name, group)
                 return lambda s, t: tensors.effective(v(t).T)
         self.notes.add(what, "missing: no model was given and the plotfile has no stress")
+        return None
+
+    def mean_stress(self, group: Group) -> EffectiveStress | None:
+        """(6, e) element mean Cauchy stress: from the material, else as the plotfile has it."""
+        law, times = self._stress(group), np.asarray(self.ds["time"].values, dtype=float)
+        if law is not None:
+            self.notes.add("principal_stress", "mean of the material's stress at the integration points")
+            return lambda s, t: group.mean(law(s.F, s.J, times[t]))
+        for name in ("stress", "solid_stress"):
+            if name in self.ds:
+                self.notes.add("principal_stress", f"of the plotfile's element mean {name}")
+                v = self._element(name, group)
+                return lambda s, t: v(t).T
         return None
 
     def nodal_flux(self, group: Group) -> NodalFlux | None:

@@ -85,7 +85,7 @@ def _bars(agreement: Mapping[str, Mapping[str, xr.Dataset]], key: str, label: st
         ax.set_ylabel(label)
     for ax in axes.flat[len(metrics) :]:
         ax.set_axis_off()
-    axes[0, 0].legend(fontsize=7, frameon=False)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
     figure.suptitle(title)
     return figure
 

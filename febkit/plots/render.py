@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.metrics.fields import FIELDS, element_fields
+from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
 from febkit.metrics.selection import select_cells
 from febkit.metrics.summary import scalar_of
 from febkit.model import InputError
@@ -176,7 +176,7 @@ def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:
 def _colour(body: Any, ds: xr.Dataset, variable: str, at: int, model: Model | None) -> str:
     """Put the scalar "colour" on the body's points or cells; its label."""
     name, _, word = _known(variable).partition(":")
-    if name not in ds.data_vars and name in FIELDS and name not in ("principal_strain", "fluid_flux"):
+    if name not in ds.data_vars and name in FIELDS and name not in COMPONENTS:
         body.cell_data["colour"], units = _field(ds, name, at, body.cell_data["row"], model)
     elif name not in ds.data_vars:
         raise InputError(f"the result has no {name!r}; it has {', '.join(map(str, ds.data_vars))}")

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.metrics.fields import FIELDS, element_fields
+from febkit.metrics import units
+from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
 from febkit.model import InputError
 
 from . import canvas
@@ -106,7 +107,7 @@ def sections(
     field    one of the element fields (scalar), by default the effective strain
     parts    parts shown; all by default. ``window``: (left, right, bottom, top) in the deformed plane
     """
-    if field not in FIELDS or field in ("principal_strain", "fluid_flux"):
+    if field not in FIELDS or field in COMPONENTS:
         raise InputError(
             f"{field!r} is no scalar element field; choose from effective_strain, effective_stress, "
             "max_shear_strain, volume"
@@ -116,10 +117,14 @@ def sections(
     if limits is None:
         values = np.concatenate([v for _, v, _ in made])
         limits = (float(np.nanquantile(values, 0.01)), float(np.nanquantile(values, 0.99)))
+    u = units.of(next(iter(results.values()))[0].attrs.get("units"))
     for ax, label, (section, values, flux) in zip(axes[0], results, made):
         picture = _draw(ax, section, values, flux, normal, limits, window)
         ax.set_title(label)
-    figure.colorbar(picture, ax=list(axes[0]), label=field.replace("_", " "), shrink=0.85)
+        for axis, name in zip((ax.xaxis, ax.yaxis), (a for a in AXES if a != normal)):
+            axis.set_label_text(f"{name} ({u.length})")
+    unit = {"stress": f" ({u.stress})", "volume": f" ({u.length}^3)"}.get(FIELDS[field][0], "")
+    figure.colorbar(picture, ax=list(axes[0]), label=field.replace("_", " ") + unit, shrink=0.85)
     figure.suptitle(title)
     return figure
 
@@ -182,8 +187,6 @@ def _draw(
     ax.set_xlim(box[0], box[1])
     ax.set_ylim(box[2], box[3])
     ax.set_aspect("equal")
-    ax.set_xlabel(AXES[plane[0]])
-    ax.set_ylabel(AXES[plane[1]])
     ax.tick_params(labelsize=7)
     return picture
 

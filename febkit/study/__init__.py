@@ -7,10 +7,12 @@ from typing import Any
 _NAMES = {
     "Study": "config",
     "read": "config",
+    "Place": "plan",
     "Plan": "plan",
     "make_plan": "plan",
     "Store": "store",
     "results": "gather",
+    "finished": "gather",
     "status": "gather",
     "failures": "gather",
     "agreements": "gather",

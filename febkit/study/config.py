@@ -56,7 +56,10 @@ class Resources:
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A study: models, cases, methods and points; ``folder`` is where its results live."""
+    """A study: models, cases, methods, points and seeds; ``folder`` is where its results live.
+
+    ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] names no list.
+    """
 
     file: Path
     folder: Path
@@ -65,6 +68,7 @@ class Study:
     methods: tuple[Method, ...]
     control: bool
     points: tuple[Point, ...]
+    seeds: tuple[int | None, ...]
     tissue: Mapping[str, Any]
     cell: Mapping[str, Any]
     embedded: Mapping[str, Any]
@@ -109,8 +113,8 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     for key in t:
         if key not in _TOP:
             raise InputError(f"unknown entry {key!r}; a study has {', '.join(sorted(_TOP))}", where)
-    shared = _table(t, "model", where)
-    cell = shared | _table(t, "cell", where)
+    shared, embedded = _table(t, "model", where), _table(t, "embedded", where)
+    cell, seeds = _seeds(shared | _table(t, "cell", where), embedded, where)
     control = bool(t.get("control", True))
     return Study(
         file=path,
@@ -120,9 +124,10 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         methods=tuple(Method.parse(m, where) for m in t.get("methods", ["1", "2"])),
         control=control,
         points=_points(_table(t, "points", where), path.parent, where),
+        seeds=seeds,
         tissue=_located(shared | _table(t, "tissue", where), path.parent, where),
         cell=_located(cell, path.parent, where),
-        embedded=_located(_control(cell, _table(t, "embedded", where)), path.parent, where),
+        embedded=_located(_control(cell, embedded), path.parent, where),
         coupling=_table(t, "coupling", where),
         measure=_table(t, "measure", where),
         resources=_resources(_table(t, "run", where), where),
@@ -180,6 +185,27 @@ def _points(t: Mapping[str, Any], base: Path, where: Where) -> tuple[Point, ...]
     if len(set(points)) < len(points):
         raise InputError("a point is given twice", where)
     return tuple(points)
+
+
+def _seeds(
+    cell: dict[str, Any], embedded: Mapping[str, Any], where: Where
+) -> tuple[dict[str, Any], tuple[int | None, ...]]:
+    """``seed`` = [1, 2, 3] of [cell]: a model of the cells for each, all else the same."""
+    seeds = cell.get("seed")
+    if not isinstance(seeds, list):
+        return cell, (None,)
+    for name, table, files in (
+        ("cell", cell, ("file",)),
+        ("embedded", embedded, ("file", "results", "seed")),
+    ):
+        for other in files:
+            if other in table:
+                raise InputError(f"[cell] has several seeds, so [{name}] must have no {other}", where)
+    if not seeds or not all(type(s) is int and s >= 0 for s in seeds):
+        raise InputError(f"seeds must be whole numbers from 0 on, not {seeds!r}", where)
+    if len(set(seeds)) < len(seeds):
+        raise InputError("a seed is given twice", where)
+    return {k: v for k, v in cell.items() if k != "seed"}, tuple(seeds)
 
 
 def _numbers(row: Any) -> list[float] | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .plan import CONTROL, Plan
+from .plan import CONTROL, Place, Plan
 from .store import Store
 from .work import AGREEMENT, METRICS
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def finished(plan: Plan) -> Iterator[tuple[tuple[str, str, int], xr.Dataset]]:
-    """Metrics there are, by (case, method, point)."""
+def finished(plan: Plan) -> Iterator[tuple[Place, xr.Dataset]]:
+    """Metrics there are, by place."""
     import xarray as xr
 
     store = Store(plan.study.folder)
@@ -30,7 +30,7 @@ def finished(plan: Plan) -> Iterator[tuple[tuple[str, str, int], xr.Dataset]]:
 def results(plan: Plan) -> xr.Dataset:
     """All metrics (case, handoff, point, cell, time); NaN where a step has not been done.
 
-    Times are those of the first result.
+    Where [cell] has a list of seeds, (case, handoff, point, seed, cell, time). Times are those of the first result.
     """
     import xarray as xr
 
@@ -41,14 +41,17 @@ def results(plan: Plan) -> xr.Dataset:
         "handoff": methods,
         "point": np.arange(len(study.points)),
     }
+    if study.seeds != (None,):
+        coords["seed"] = list(study.seeds)
     out: xr.Dataset | None = None
-    for (case, method, point), ds in finished(plan):
+    for place, ds in finished(plan):
         if out is None:
             out = _empty(ds, coords)
-        at = (study.cases.index(case), methods.index(method), point)
+        which = (place.point, place.seed)[: len(coords) - 2]
+        at = (study.cases.index(place.case), methods.index(place.method), *which)
         for name in out.data_vars:
             if name in ds:
-                own = ds[name].reindex(cell=out["cell"]).transpose(*out[name].dims[3:])
+                own = ds[name].reindex(cell=out["cell"]).transpose(*out[name].dims[len(coords) :])
                 out[name].values[at] = _at_times(own, out["time"].values)
     if out is None:
         return xr.Dataset(coords=coords)
@@ -82,8 +85,8 @@ def _empty(ds: xr.Dataset, coords: dict[str, Any]) -> xr.Dataset:
     )
 
 
-def agreements(plan: Plan) -> dict[tuple[str, str, int], xr.Dataset]:
-    """Agreement with the control by (case, method, point)."""
+def agreements(plan: Plan) -> dict[Place, xr.Dataset]:
+    """Agreement with the control by place."""
     import xarray as xr
 
     store = Store(plan.study.folder)

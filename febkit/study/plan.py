@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from .config import Method, Point, Study
 from .step import Step
@@ -15,16 +15,25 @@ from .store import Store
 CONTROL = "control"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Plan:
-    """Steps whose results are the study's: metrics by (case, method, point), agreement likewise.
+class Place(NamedTuple):
+    """Where in the study a result stands.
 
-    ``method`` is a :class:`Method`'s name or "control"; ``point`` an index into the study's points.
+    ``method`` is a :class:`Method`'s name or "control"; ``point`` and ``seed`` are indices into the study's.
     """
 
+    case: str
+    method: str
+    point: int = 0
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Steps whose results are the study's: metrics and agreement by their place."""
+
     study: Study
-    metrics: Mapping[tuple[str, str, int], Step]
-    agreement: Mapping[tuple[str, str, int], Step]
+    metrics: Mapping[Place, Step]
+    agreement: Mapping[Place, Step]
 
     @property
     def targets(self) -> tuple[Step, ...]:
@@ -52,26 +61,39 @@ class Plan:
 
 def make_plan(study: Study) -> Plan:
     """The graph of a study: build, solve, series, drive, solve, measure, compare."""
-    metrics: dict[tuple[str, str, int], Step] = {}
-    agreement: dict[tuple[str, str, int], Step] = {}
+    metrics: dict[Place, Step] = {}
+    agreement: dict[Place, Step] = {}
     centre = _centre(study.points)
     for case in study.cases:
-        tissue = _tissue(study, case)
-        cell = _model("cell", study.cell, case)
-        if study.control and centre is not None:
-            control = _solved("embedded", study.embedded, case)
-            metrics[case, CONTROL, centre] = _measure(study, f"{case} control: measure", control, ())
-        for method in study.methods:
-            for k in range(len(study.points)):
-                metrics[case, method.name, k] = _driven(study, case, method, k, cell, tissue)
-            if (case, CONTROL, centre) in metrics and centre is not None:
-                inputs = {
-                    "control": metrics[case, CONTROL, centre],
-                    "test": metrics[case, method.name, centre],
-                }
-                label = f"{case} order {method.name}: compare"
-                agreement[case, method.name, centre] = Step("compare", label, {}, inputs)
+        tissue = _solved("tissue", study.tissue, case)
+        for j in range(len(study.seeds)):
+            suffix = which(study, None, j)
+            cell = _model("cell", _seeded(study, study.cell, j), case, suffix)
+            if study.control and centre is not None:
+                control = _solved("embedded", _seeded(study, study.embedded, j), case, suffix)
+                at = Place(case, CONTROL, centre, j)
+                metrics[at] = _measure(study, f"{case} control{suffix}: measure", control, ())
+            for method in study.methods:
+                for k in range(len(study.points)):
+                    at = Place(case, method.name, k, j)
+                    metrics[at] = _driven(study, at, method, cell, tissue)
+                if study.control and centre is not None:
+                    at = Place(case, method.name, centre, j)
+                    inputs = {"control": metrics[at._replace(method=CONTROL)], "test": metrics[at]}
+                    label = f"{case} order {method.name}{suffix}: compare"
+                    agreement[at] = Step("compare", label, {}, inputs)
     return Plan(study, metrics, agreement)
+
+
+def _seeded(study: Study, table: Mapping[str, Any], j: int) -> Mapping[str, Any]:
+    seed = study.seeds[j]
+    return table if seed is None else {**table, "seed": seed}
+
+
+def which(study: Study, point: int | None, seed: int) -> str:
+    """Point and seed in a label, where there are several."""
+    out = f" point {point + 1}" if point is not None and len(study.points) > 1 else ""
+    return out + (f" seed {study.seeds[seed]}" if len(study.seeds) > 1 else "")
 
 
 def _centre(points: Iterable[Point]) -> int | None:
@@ -82,29 +104,26 @@ def _centre(points: Iterable[Point]) -> int | None:
     return None
 
 
-def _model(name: str, table: Mapping[str, Any], case: str) -> Step:
+def _model(name: str, table: Mapping[str, Any], case: str, suffix: str = "") -> Step:
     """The step that makes a model: from its template, or adopted from a user's file."""
     if "file" in table:
         return _adopt(name, {"model": table["file"]})
     params = {k: v for k, v in table.items() if k != "results"}
     if name == "cell":  # the drive comes from the tissue, not from the case
         params |= {"drive": "none"}
-        return Step("build", f"{name}: build", {"template": name, "values": params})
-    return Step("build", f"{case} {name}: build", {"template": name, "values": {**params, "case": case}})
+        return Step("build", f"{name}{suffix}: build", {"template": name, "values": params})
+    values = {**params, "case": case}
+    return Step("build", f"{case} {name}{suffix}: build", {"template": name, "values": values})
 
 
-def _solved(name: str, table: Mapping[str, Any], case: str) -> dict[str, Step]:
+def _solved(name: str, table: Mapping[str, Any], case: str, suffix: str = "") -> dict[str, Step]:
     """Steps that hold a model and its plotfile."""
     if "results" in table:
         files = {"results": table["results"]} | ({"model": table["file"]} if "file" in table else {})
         step = _adopt(name, files)
         return {"model": step, "results": step}
-    model = _model(name, table, case)
-    return {"model": model, "results": Step("solve", f"{case} {name}: solve", {}, {"model": model})}
-
-
-def _tissue(study: Study, case: str) -> dict[str, Step]:
-    return _solved("tissue", study.tissue, case)
+    model = _model(name, table, case, suffix)
+    return {"model": model, "results": Step("solve", f"{case} {name}{suffix}: solve", {}, {"model": model})}
 
 
 def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step]) -> Step:
@@ -117,16 +136,15 @@ def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step])
     return Step("series", label + (f", {method.recovery}" if method.recovery else ""), params, dict(tissue))
 
 
-def _driven(
-    study: Study, case: str, method: Method, k: int, cell: Step, tissue: Mapping[str, Step]
-) -> Step:
-    label = f"{case} order {method.name}" + (f" point {k + 1}" if len(study.points) > 1 else "")
+def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping[str, Step]) -> Step:
+    k = at.point
+    label = f"{at.case} order {method.name}{which(study, k, at.seed)}"
     params: dict[str, Any] = {"point": k, "solid": method.solid, "fluid": method.fluid}
     if method.name == "overlay":
         params |= {"at": list(study.points[k])}
         inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}
     else:
-        inputs = {"cell": cell, "series": _series(study, case, method, tissue)}
+        inputs = {"cell": cell, "series": _series(study, at.case, method, tissue)}
     model = Step("drive", f"{label}: drive", params, inputs)
     results = Step("solve", f"{label}: solve", {}, {"model": model})
     drop = ("model", "results") if study.keep == "metrics" else ()

@@ -10,15 +10,16 @@ from febkit.metrics import tables
 from febkit.metrics.agreement import compare_orders, spread
 from febkit.model import InputError
 
-from . import gather
-from .plan import CONTROL, Plan
+from . import gather, pattern
+from .plan import CONTROL, Place, Plan, which
+from .step import Step
 from .store import Store
 from .work import MODEL, RESULTS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Metrics = dict[tuple[str, str, int], "xr.Dataset"]
+Metrics = dict[Place, "xr.Dataset"]
 
 
 def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Path]:
@@ -40,11 +41,12 @@ def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Pat
 
 def _text(plan: Plan, found: Metrics, pictures: list[Path]) -> str:
     study = plan.study
-    missing = [f"{c} {m} point {k + 1}" for c, m, k in plan.metrics if (c, m, k) not in found]
+    missing = [f"{p.case} {p.method}{which(study, p.point, p.seed)}" for p in plan.metrics if p not in found]
     out = [f"# {study.name}", ""]
     out += [
         f"Cases {', '.join(study.cases)}; methods {', '.join(m.name for m in study.methods)}; "
-        f"{len(study.points)} point(s).",
+        f"{len(study.points)} point(s)"
+        + (f"; seeds {', '.join(map(str, study.seeds))}." if len(study.seeds) > 1 else "."),
         "",
     ]
     if missing:
@@ -56,104 +58,135 @@ def _text(plan: Plan, found: Metrics, pictures: list[Path]) -> str:
 
 
 def all_tables(plan: Plan, found: Metrics | None = None) -> Iterator[tables.Table]:
-    """Tables of what is done: RMS (table 2), limits, ranks (table 3), medians and ranges."""
+    """Tables of what is done: the study's pattern, RMS (table 2), limits, ranks (table 3), medians and ranges."""
     found = dict(gather.finished(plan)) if found is None else found
     agreed = gather.agreements(plan)
     if agreed:
-        rows = [(f"{c} {m}", ds) for (c, m, _), ds in sorted(agreed.items())]
+        study = plan.study
+        yield from pattern_tables(plan, found, agreed)
+        rows = [(f"{p.case} {p.method}{which(study, None, p.seed)}", ds) for p, ds in sorted(agreed.items())]
         yield tables.rms_table(rows, "RMS difference to the control (over the control's range)")
         for label, ds in rows:
             yield tables.limits_table(ds, f"{label}: limits of agreement (method - control)")
         ranks = list(_ranks(plan, found))
         if ranks:
             yield tables.rank_table(ranks)
-    many = len(plan.study.points) > 1
     spreads = [
-        (f"{c} {m}" + (f" point {k + 1}" if many else ""), spread(ds))
-        for (c, m, k), ds in found.items()
-        if k < 20
+        (f"{p.case} {p.method}{which(plan.study, p.point, p.seed)}", spread(ds))
+        for p, ds in found.items()
+        if p.point < 20
     ]
     if spreads:
         yield tables.spread_table(spreads)
 
 
+def pattern_tables(
+    plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None
+) -> Iterator[tables.Table]:
+    """Whether the published study's pattern comes out, and its table 2 beside ours."""
+    found = dict(gather.finished(plan)) if found is None else found
+    agreed = gather.agreements(plan) if agreed is None else agreed
+    methods = plan.study.methods
+    default = str(plan.study.coupling.get("recovery") or "default")
+    said = list(pattern.statements(methods, agreed, found, default))
+    if said:
+        yield pattern.table(said)
+    if agreed:
+        yield pattern.beside_published(methods, agreed)
+
+
 def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
     """The first method against each other one, by case."""
     first, *others = [m.name for m in plan.study.methods]
-    for c, m, k in found:
-        if m == CONTROL:
-            for other in others:
-                if (c, first, k) in found and (c, other, k) in found:
-                    a, b = found[c, first, k], found[c, other, k]
-                    yield f"{c}: {first} / {other}", compare_orders(found[c, m, k], a, b)
+    for p in [p for p in found if p.method == CONTROL]:
+        for other in others:
+            a, b = found.get(p._replace(method=first)), found.get(p._replace(method=other))
+            if a is not None and b is not None:
+                label = f"{p.case}{which(plan.study, None, p.seed)}: {first} / {other}"
+                yield label, compare_orders(found[p], a, b)
 
 
 def _times(plan: Plan) -> tables.Table:
-    """Seconds and memory of the solves."""
+    """Seconds and memory of the solves, and their sum over all of them."""
     store = Store(plan.study.folder)
-    rows = []
+    rows: list[list[object]] = []
+    wall = processor = 0.0
     for key, step in plan.steps().items():
         if step.kind == "solve" and store.has(key):
             r = store.record(key)
+            wall, processor = wall + r["seconds"], processor + r.get("processor_seconds", 0.0)
             rows.append(
                 [
                     step.label,
-                    r.get("elements", ""),
+                    _elements(store, step),
                     r["seconds"],
+                    r.get("processor_seconds", ""),
                     r.get("steps", ""),
                     r.get("iterations", ""),
                     r.get("peak_memory_mb", ""),
                 ]
             )
-    return tables.Table(
-        "Solves", ["step", "elements", "seconds", "steps", "iterations", "peak memory (MB)"], rows[:200]
-    )
+    total: list[object] = [f"{len(rows)} solves", "", round(wall, 1), round(processor, 1), "", "", ""]
+    head = ["step", "elements", "seconds", "processor seconds", "steps", "iterations", "peak memory (MB)"]
+    return tables.Table("Solves", head, [*rows[:200], total])
+
+
+def _elements(store: Store, step: Step) -> object:
+    """Elements of the model that was solved, "" where that is not known."""
+    while "elements" not in (r := store.record(step.key) if store.has(step.key) else {}):
+        inputs = step.inputs.get("model") or step.inputs.get("cell")
+        if inputs is None:
+            return ""
+        step = inputs
+    return r["elements"]
 
 
 def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
     from febkit import plots
 
     for case in plan.study.cases:
-        for point in {k for c, m, k in found if c == case and (m == CONTROL or not plan.study.control)}:
-            shown = {_label(m): ds for (c, m, k), ds in found.items() if c == case and k == point}
+        for at in [p for p in found if p.case == case and (p.method == CONTROL or not plan.study.control)]:
+            shown = {_label(p.method): ds for p, ds in found.items() if p == at._replace(method=p.method)}
             yield _saved(plots.histories(shown, title=f"case {case}"), folder / f"histories_{case}.png")
             if any("mass_exchange_rate" in ds for ds in shown.values()):
                 yield _saved(
                     plots.early_exchange(shown, title=f"case {case}"), folder / f"exchange_{case}.png"
                 )
             for method in plan.study.methods:
-                if (case, method.name, point) in found and (case, CONTROL, point) in found:
+                own, control = (found.get(at._replace(method=m)) for m in (method.name, CONTROL))
+                if control is not None and own is not None:
                     figure = plots.bland_altman(
-                        found[case, CONTROL, point],
-                        found[case, method.name, point],
+                        control,
+                        own,
                         title=f"case {case}, {_label(method.name)}",
                     )
                     name = f"bland_altman_{case}_{method.name.replace('/', '-').replace(' ', '_')}.png"
                     yield _saved(figure, folder / name)
-            figure = _section(plan, case, point)
+            figure = _section(plan, at)
             if figure is not None:
                 yield _saved(figure, folder / f"section_{case}.png")
-            break  # one point for each case: the control's, or the first
+            break  # one point and seed for each case: the control's, or the first
     agreed: dict[str, dict[str, xr.Dataset]] = {}
-    for (c, m, _), ds in gather.agreements(plan).items():
-        agreed.setdefault(c, {})[m] = ds
+    for p, ds in gather.agreements(plan).items():
+        if p.seed == 0:
+            agreed.setdefault(p.case, {})[p.method] = ds
     if agreed:
         yield _saved(plots.outside_counts(agreed), folder / "outside_limits.png")
         yield _saved(plots.errors(agreed), folder / "errors.png")
 
 
-def _section(plan: Plan, case: str, point: int, time: float = 5.0) -> Any:
+def _section(plan: Plan, where: Place, time: float = 5.0) -> Any:
     """Effective strain with flux arrows through the middle of a cell, control beside methods (fig 8)."""
     from febkit import plots
 
     shown = {}
     parts: list[str] | None = None
     at = 0.0
-    for (c, m, k), step in plan.metrics.items():
-        if c == case and k == point:
+    for p, step in plan.metrics.items():
+        if p == where._replace(method=p.method):
             pair = _opened(plan, step)
             if pair is not None:
-                shown[_label(m)] = pair
+                shown[_label(p.method)] = pair
     if not shown:
         return None
     times = next(iter(shown.values()))[0]["time"].values
@@ -163,7 +196,7 @@ def _section(plan: Plan, case: str, point: int, time: float = 5.0) -> Any:
     parts = sorted(set.intersection(*names)) if len(names) > 1 else None
     at = _middle(next(iter(shown.values()))[0])
     return plots.sections(
-        shown, "effective_strain", time, "y", at, parts, title=f"case {case}, t = {time:g} s"
+        shown, "effective_strain", time, "y", at, parts, title=f"case {where.case}, t = {time:g} s"
     )
 
 

@@ -17,7 +17,7 @@ VERSIONS: Mapping[str, int] = {
     "series": 2,
     "drive": 2,
     "measure": 1,
-    "compare": 1,
+    "compare": 2,
 }
 
 

@@ -43,10 +43,11 @@ class Store:
         base = self.root / "making"
         base.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f"{key}-", dir=base))
-        record, start = dict(about), time.perf_counter()
+        record, start, cpu = dict(about), time.perf_counter(), time.process_time()
         try:
             yield folder, record
             record["seconds"] = round(time.perf_counter() - start, 3)
+            record["processor_seconds"] = round(time.process_time() - cpu, 3)  # all threads of this process
             record["finished"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
             (folder / "step.json").write_text(json.dumps(record, indent=1, sort_keys=True))
             self._move(folder, key)

@@ -35,7 +35,7 @@ METRICS = {
 Fields = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-def fields(plan: Plan, where: tuple[str, str, int]) -> Fields:
+def fields(plan: Plan, where: study.Place) -> Fields:
     """X, times, u, p of a measured model."""
     step = plan.metrics[where].inputs["results"]
     with results.open(Store(plan.study.folder).path(step.key) / RESULTS) as ds:
@@ -45,14 +45,14 @@ def fields(plan: Plan, where: tuple[str, str, int]) -> Fields:
         )  # fmt: skip
 
 
-def surface(plan: Plan, where: tuple[str, str, int], f: Fields) -> tuple[float, float]:
+def surface(plan: Plan, where: study.Place, f: Fields) -> tuple[float, float]:
     """How far u and p of the driven surface are from the series, by the largest of each."""
     model = plan.metrics[where].inputs["model"]
     driving = coupling.read_driving(Store(plan.study.folder).path(model.inputs["series"].key) / SERIES)
     X, times, u, p = f
     nodes = np.flatnonzero(np.abs(np.abs(X) - np.abs(X).max(axis=0)).min(axis=1) < 1e-9 * np.ptp(X))
     order, fluid = model.params["solid"], model.params["fluid"]
-    given = coupling.handoff(driving, X[nodes], point=where[2], order=order, fluid_order=fluid)
+    given = coupling.handoff(driving, X[nodes], point=where.point, order=order, fluid_order=fluid)
     at = np.abs(given.times[None] - times[:, None]).argmin(axis=1)
     assert np.allclose(given.times[at], times, rtol=1e-6) and given.p is not None
     return (
@@ -82,10 +82,10 @@ def rows(plan: Plan) -> dict[str, dict[str, float]]:
     for case in plan.study.cases:
         control: Fields | None = None
         for m in plan.study.methods:
-            where = (case, m.name, 0)
+            where = study.Place(case, m.name)
             if where not in agreed:
                 continue
-            control = fields(plan, (case, CONTROL, 0)) if control is None else control
+            control = fields(plan, study.Place(case, CONTROL)) if control is None else control
             own = fields(plan, where)
             row: dict[str, float] = {}
             if m.solid is not None:

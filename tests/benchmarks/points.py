@@ -23,10 +23,12 @@ TEXT = """
 cases = ["B"]
 methods = ["2"]
 control = false
-[model]
+[model]   # gently, so that coarse meshes stand it at every point
+depth = 0.02
 times = [0.0, 0.1, 1.0, 10.0]
 [tissue]
 n = 5
+vertical = 21
 centre = 0.0
 [cell]
 n = 5

@@ -42,9 +42,17 @@ def test_metrics_to_table_and_file(run):
 def test_summary_and_fields(run):
     out = call("metrics", run / "cell.xplt", "-v", "stress:effective", "-p", "pcm_1", "--style", "csv")
     assert "pcm_1" in out
+    head, row = (x.split(",") for x in out.strip().splitlines())
+    assert [h for h in head if "quantile" in h] == [f"quantile {q:g} (kPa)" for q in (0.05, 0.25, 0.5, 0.75, 0.95)]
+    numbers = [float(x) for x in row[2:]]  # least, quantiles, greatest
+    assert numbers == sorted(numbers) and numbers[0] < numbers[-1]
+    out = call("metrics", run / "cell.xplt", "-v", "stress:effective", "-p", "ecm", "-q", 0.5, "--style", "csv",
+               "-o", run / "q.csv")  # fmt: skip
+    assert "quantile 0.5" in out and "quantile 0.95" not in out
+    assert (run / "q.csv").read_text().splitlines()[0] == "part,time,mean,least,greatest,quantile_0.5"
     call("metrics", run / "cell.xplt", "--fields", "-c", "pcm_1", "-o", run / "f.nc")
     with xr.open_dataset(run / "f.nc") as ds:
-        assert set(ds.data_vars) >= {"effective_strain", "effective_stress", "fluid_flux", "volume"}
+        assert set(ds.data_vars) >= {"effective_strain", "effective_stress", "fluid_flux", "volume", "principal_stress"}
 
 
 def test_compare_and_plot(run):

@@ -36,10 +36,20 @@ def test_rms_and_limits():
     a = cells(np.array([[0.0, 1, 2, 4], [0, 1, 2, 3]]))
     b = a + xr.DataArray([[1.0, 1, 1, 1], [-1, -1, -1, -1]], dims=("cell", "time"))
     r = compare(a, b).sel(metric="effective_strain")
-    assert float(r.rms) == 1 and float(r.range) == 4 and float(r.nrms) == 0.25
-    s = np.sqrt(8 / 7)
+    assert float(r.rms) == 1 and float(r.range) == 3 and float(r.nrms) == pytest.approx(1 / 3)
+    s = np.sqrt(6 / 5)
     assert float(r.bias) == 0 and float(r.upper) == pytest.approx(1.96 * s)
-    assert int(r.outside) == 0 and int(r.n) == 8
+    assert int(r.outside) == 0 and int(r.n) == 6  # the reference state does not count
+
+
+def test_the_reference_state_does_not_count():
+    """11 cells at the study's 29 times after t = 0 are n = 319."""
+    t = np.arange(30.0)
+    a = xr.Dataset({"effective_strain": (("cell", "time"), np.outer(np.ones(11), t))}, {"cell": range(11), "time": t})
+    r = compare(a, a + 2 * (a.time > 0)).sel(metric="effective_strain")
+    assert int(r.n) == 319 and float(r.rms) == 2
+    assert bland_altman(a, a).sizes["time"] == 29
+    assert int(compare(a.isel(time=[0]), a.isel(time=[0])).n[0]) == 11  # where there is nothing else
 
 
 def test_outliers_are_counted_where_they_are():

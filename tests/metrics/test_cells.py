@@ -125,6 +125,16 @@ def test_every_element_kind(one, make, kind):
     assert np.allclose(m.mass_exchange_rate, 3e9 * m.volume, rtol=1e-10)
     f = element_fields(ds, "*", model(["cell"]))
     assert np.allclose(f.principal_strain[1, 0], e[::-1])
+    mu, lam, J = 0.001 / 2.8, 0.001 * 0.4 / (1.4 * 0.2), np.linalg.det(STRETCH)
+    s = (mu * (np.diag(STRETCH) ** 2 - 1) + lam * np.log(J)) / J
+    assert np.allclose(f.principal_stress[1, 0], np.sort(s)[::-1], rtol=1e-10)
+    assert f.principal_stress.attrs["units"] == "MPa" and "material" in f.principal_stress.attrs["how"]
+    # without the model, of the plotfile's element means
+    mean = np.zeros((2, ds.sizes["element"], 6))
+    mean[1, :, :3] = s
+    ds["stress"] = (("time", "element", "voigt"), mean)
+    bare = element_fields(ds, "*", names=["principal_stress"])
+    assert np.allclose(bare.principal_stress[1, 0], np.sort(s)[::-1], rtol=1e-10)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -63,6 +63,9 @@ def test_bars_show_the_counts(tmp_path):
     agreed = {"A": {"1": compare(a, b), "2": compare(a, a * 1.01)}}
     figure = plots.outside_counts(agreed)
     heights = [bar.get_height() for bar in figure.axes[list(METRICS).index("effective_strain")].patches]
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert not any(legend.overlaps(ax.get_window_extent()) for ax in figure.axes)
     assert heights[0] == int(compare(a, b).outside.sel(metric="effective_strain"))
     plots.save(plots.errors(agreed), tmp_path / "e.svg")
     plots.save(plots.bland_altman(a, b), tmp_path / "b.pdf")
@@ -94,6 +97,9 @@ def test_sections_side_by_side(tmp_path):
     values = figure.axes[0].collections[0].get_array()
     exact = float(cell_metrics(ds)["effective_strain"][0, 1])
     assert np.allclose(values, exact)
+    assert figure.axes[0].get_xlabel() == "x (mm)" and figure.axes[0].get_ylabel() == "z (mm)"
+    stress = plots.sections({"a": (ds, None)}, "volume", time=1.0, at=0.4)
+    assert stress.axes[-1].get_ylabel() == "volume (mm^3)"
     plots.save(figure, tmp_path / "s.png")
     with pytest.raises(InputError, match="nearest"):
         plots.sections({"a": (ds, None)}, time=0.5)

@@ -66,6 +66,9 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     ("[points]\nat = [[0, 0]]", "three numbers"), ("[points]\nat = [[0, 0, 0], [0, 0, 0]]", "twice"),
     ('[points]\nfile = "none.csv"', "none.csv"), ('[cell]\nfile = "none.feb"', "none.feb"),
     ('[run]\nkeep = "some"', "keep"), ("[run]\ncores = 3", "cores"), ("cases = [", "TOML"),
+    ("[cell]\nseed = []", "seeds must be"), ("[cell]\nseed = [1, 1]", "twice"),
+    ("[cell]\nseed = [true]", "whole numbers"), ("[cell]\nseed = [1]\nfile = 'x.feb'", "no file"),
+    ("[cell]\nseed = [1]\n[embedded]\nresults = 'x.xplt'", "no results"),
 ])
 def test_bad_studies_are_refused_clearly(tmp_path, entry, word):
     with pytest.raises(InputError, match=word) as e:
@@ -86,7 +89,7 @@ def test_the_graph_shares_what_is_shared(tmp_path):
     assert {k: kinds.count(k) for k in kinds} == {"build": 2, "solve": 7, "series": 2, "drive": 6, "measure": 6}
     with_control = plan_of(tmp_path, "control=true")
     assert len(with_control.agreement) == 2
-    assert [k for k in with_control.metrics if k[1] == "control"] == [("A", "control", 0)]
+    assert [k for k in with_control.metrics if k[1] == "control"] == [("A", "control", 0, 0)]
 
 
 def test_addresses_follow_content(tmp_path):
@@ -106,6 +109,36 @@ def test_addresses_follow_content(tmp_path):
     assert set(plan_of(tmp_path, 'cell={file="c.feb"}').steps()) != keys[0]
 
 
+def test_seeds_share_the_tissue(tmp_path):
+    one, three = (plan_of(tmp_path, "control=true", f"cell.{s}") for s in ("seed=2", "seed=[1, 2, 3]"))
+    kinds = [s.kind for s in three.steps().values()]
+    assert kinds.count("build") == 1 + 3 + 3 and kinds.count("series") == 2
+    # a seed among several is the same model as the one seed of [cell]
+    assert set(one.steps()) < set(three.steps())
+    for place, step in one.metrics.items():
+        assert three.metrics[place._replace(seed=1)].key == step.key
+    labels = [s.label for s in three.steps().values()]
+    assert len(set(labels)) == len(labels) and "A order 1 point 3 seed 2: solve" in labels
+
+
+def test_results_of_several_seeds(tmp_path, monkeypatch):
+    """Each at its own place of one dataset."""
+    import xarray as xr
+
+    p = plan_of(tmp_path, "cell.seed=[4, 7]")
+
+    def measured(plan):
+        for n, place in enumerate(plan.metrics):
+            yield place, xr.Dataset({"volume": (("cell", "time"), [[float(n)]])}, {"cell": ["a"], "time": [1.0]})
+
+    monkeypatch.setattr("febkit.study.gather.finished", measured)
+    ds = study.results(p)
+    assert ds["volume"].dims == ("case", "handoff", "point", "seed", "cell", "time")
+    for n, place in enumerate(p.metrics):
+        seed = p.study.seeds[place.seed]
+        assert ds["volume"].sel(case="A", handoff=place.method, point=place.point, seed=seed).item() == n
+
+
 def test_nothing_is_done_twice(tmp_path, pretended):
     p = plan_of(tmp_path)
     first = study.carry_out(p, "serial")
@@ -123,7 +156,7 @@ def test_what_was_dropped_is_made_again_only_when_asked_for(tmp_path, pretended)
     assert rows["drive"]["done, files dropped"] == 6 and rows["measure"]["done"] == 6
     assert not study.carry_out(p, "serial").done
     store = Store(p.study.folder)
-    store.drop(p.metrics["A", "1", 0].key)
+    store.drop(p.metrics["A", "1", 0, 0].key)
     pretended.clear()
     study.carry_out(p, "serial")
     assert pretended == ["drive", "solve", "measure"]
@@ -225,3 +258,8 @@ def test_report_of_a_small_study(tmp_path):
     assert {"metrics.nc", "report.md", "histories_A.png", "section_A.png"} <= set(files)
     text = (tmp_path / "report" / "report.md").read_text()
     assert "A order 1: solve" in text and "effective stress (kPa)" in text
+    solves = text[text.index("**Solves**") :].splitlines()
+    rows = [[c.strip() for c in r.split("|")[1:-1]] for r in solves if r.startswith("| ")][1:]
+    total = sum(float(r[3]) for r in rows[:-1])
+    assert rows[-1][0] == "2 solves" and float(rows[-1][3]) == pytest.approx(total, abs=0.3)
+    assert [r[1] for r in rows[:-1]] == ["27", rows[1][1]] and int(rows[1][1]) > 100
