@@ -98,6 +98,7 @@ class Newton:
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
         self.augments = any(g.block.augment is not None for g in system.groups)
+        self.augments = self.augments or any(c.augments for c in system.contacts)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -252,6 +253,7 @@ class Newton:
         du = np.zeros_like(self.total)
         given = sys_.gather(self.target) - sys_.gather(sys_.state.d)
         du[self.given] = given[self.given]
+        sys_.progress.iterations = sys_.progress.augmentations = 0
         sys_.update()
         self.qn.reset() if self.force_reform or o.reform_each_step else None
         self.qn.begin()
@@ -260,6 +262,7 @@ class Newton:
         norms = _Norms()
         while not self._iterate(R0, norms, u):
             R0, u = self._next_R0, None
+            sys_.progress.iterations = self.count.iterations
 
     def _iterate(self, R0: Floats, m: _Norms, u: Floats | None = None) -> bool:
         o, k = self.options, self.count
@@ -342,11 +345,13 @@ class Newton:
         self._next_R0 = R1
 
     def _augment(self) -> bool:
-        k = self.count
-        done = [g.augment(k.augmentations) for g in self.system.groups]
+        k, system = self.count, self.system
+        done = [g.augment(k.augmentations)[0] for g in system.groups]
+        done += [c.augment(k.augmentations, system.state) for c in system.contacts]
         k.augmentations += 1
+        system.progress.augmentations = k.augmentations
         k.reforms = 0
-        if all(c for c, *_ in done):
+        if all(done):
             return True
         self.system.update()
         self._next_R0 = self._residual()

@@ -172,6 +172,15 @@ class Step:
     initial: list[Initial] = field(default_factory=list)
     loads: list[Any] = field(default_factory=list)
     body_loads: list[Any] = field(default_factory=list)
+    contacts: list[Any] = field(default_factory=list)  # see contact.base
+
+
+@dataclass
+class Progress:
+    """Where the solve of a time step stands: iterations and augmentations done."""
+
+    iterations: int = 0
+    augmentations: int = 0
 
 
 @dataclass(eq=False)

@@ -12,7 +12,7 @@ from .kernels.pattern import scatter_any
 from .linear.base import Matrix
 from .mass import Mass
 from .pattern import Equations, Pattern
-from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
+from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
 from .tangent import Target, Workspace, add_chunk
@@ -34,6 +34,8 @@ class System:
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
+        self.contacts = [*problem.common.contacts, *step.contacts]
+        self.progress = Progress()
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -71,7 +73,8 @@ class System:
             and (g.block.mixture is None or self._fluid_symmetric(g.block.mixture))
             for g in self.groups
         )
-        return own and not self.steady and all(getattr(q, "symmetric", True) for q in [*self.loads, *self.body_loads])
+        acting = [*self.loads, *self.body_loads, *self.contacts]
+        return own and not self.steady and all(getattr(q, "symmetric", True) for q in acting)
 
     @staticmethod
     def _fluid_symmetric(mixture: Any) -> bool:
@@ -92,10 +95,12 @@ class System:
 
     @property
     def pattern(self) -> Pattern:
-        if self._pattern is None:
-            cliques = [q for load in self.loads for q in load.cliques()]
-            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule)
-            self._matrix = self._pattern.matrix()
+        if self._pattern is None or self.contacts:
+            met = [np.asarray(q, np.int32) for c in self.contacts for q in c.cliques()]
+            if self._pattern is None or not self._pattern.holds(met):
+                cliques = [*(q for load in self.loads for q in load.cliques()), *met]
+                self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule)
+                self._matrix = self._pattern.matrix()
         return self._pattern
 
     # ---- values -----------------------------------------------------------------------------------
@@ -152,6 +157,8 @@ class System:
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
                 g.conserve(s.u, s.d_old[:, :3], s.dt)
+        for contact in self.contacts:
+            contact.update(s, self.progress)
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
@@ -173,6 +180,8 @@ class System:
             load.residual(s, total)
         for load in self.body_loads:
             load.residual(s, self.groups, total)
+        for contact in self.contacts:
+            contact.residual(s, total)
         if self.dynamic:
             self._inertia(total)
         out = self.gather(total)
@@ -211,6 +220,9 @@ class System:
             Fd *= self.alphaf
         for load in [*self.loads, *self.body_loads]:
             for K, nodes, columns in load.stiffness(self.state, self.groups):
+                self._add(A, K, nodes, columns, step, Fd)
+        for contact in self.contacts:
+            for K, nodes, columns in contact.stiffness(self.state):
                 self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
             self._add_mass(A, step, Fd)

@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
-from . import conditions, control, loads, materials, rigid, shells
+from . import conditions, contact, control, loads, materials, rigid, shells
 from .context import Context
 
 
@@ -47,6 +47,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     domains = {d.block: d for d in model.domains if d.kind == "shell"}
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
+    ctx.numbers = {b.name: k for k, b in enumerate(blocks)}
     common = Step()
     _fill(ctx, common, model.common)
     steps = [_step(ctx, s) for s in model.steps]
@@ -74,7 +75,7 @@ def _whole_sections(ctx: Context) -> None:
     if m.module not in ("solid", "biphasic"):
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
-        for c in (*step.contact, *step.constraints, *step.adaptors):
+        for c in (*step.constraints, *step.adaptors):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     for c in m.discrete:
         ctx.refuse(f"<{c.tag}> of <Discrete>", c.where)
@@ -95,6 +96,7 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
+    out.contacts = contact.contacts(ctx, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]

@@ -13,7 +13,7 @@ def lists() -> str:
     """Markdown of what the solver knows."""
     from febkit.lower.conditions import READERS
     from febkit.lower.materials import UNPROVEN
-    from febkit.solver import elements, loads, permeabilities, supplies
+    from febkit.solver import contact, elements, loads, permeabilities, supplies
     from febkit.solver.solids.registry import tables
 
     rows = {
@@ -22,6 +22,7 @@ def lists() -> str:
         "solvent supplies": sorted(supplies.TYPES),
         "loads": sorted(loads.TYPES),
         "boundary conditions": sorted(READERS),
+        "contact": sorted(contact.TYPES),
         "elements": list(elements.VOLUMES),
         "shells": [s.removeprefix("shell_") for s in elements.SHELLS],
     }

@@ -1,0 +1,63 @@
+"""FEBio's automatic penalty: the stiffness of the element behind a facet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..points import Points
+from .surface import Floats, Ints, Surface
+
+if TYPE_CHECKING:
+    from ..group import Group
+
+
+def automatic(surface: Surface, groups: list[Group]) -> Floats:
+    """E_n A / V of each facet (f,): E_n = 1 / (n . (C^-1 : n x n) . n) with C the tangent at rest, A the facet's area
+    and V the element's volume in the reference (FEBio User Manual, "auto_penalty"); 0 where no element is known."""
+    out = np.zeros(len(surface.conn))
+    normals = _normals(surface)
+    for kind, rows in surface.kinds:
+        if kind in surface.given.modulus:
+            out[rows] = surface.given.modulus[kind]
+        owner = surface.given.owner.get(kind)
+        if owner is None:
+            continue
+        at = np.arange(rows.start, rows.stop)
+        for block in np.unique(owner[:, 0][owner[:, 0] >= 0]):
+            g, mine = groups[int(block)], owner[:, 0] == block
+            e = owner[mine, 1]
+            E = _modulus(g, e, normals[at[mine]])
+            out[at[mine]] = E * surface.area[at[mine]] / g.wJ0[e].sum(axis=1)
+    return out
+
+
+def _normals(surface: Surface) -> Floats:
+    """Reference normals (f, 3) at the middle of natural coordinates (0, 0), where FEBio takes them."""
+    from .. import elements
+
+    out = np.zeros((len(surface.conn), 3))
+    for kind, rows in surface.kinds:
+        e = elements.get(kind)
+        G = e.gradient(np.zeros((1, 2)))[0]
+        t = np.einsum("aj,fai->fji", G, surface.X[surface.conn[rows, : e.nodes]])
+        n = np.cross(t[:, 0], t[:, 1])
+        out[rows] = n / np.linalg.norm(n, axis=1)[:, None]
+    return out
+
+
+def _modulus(g: Group, e: Ints, n: Floats) -> Floats:
+    """Young's modulus along n (m, 3) at the first point of elements e, at rest."""
+    m = len(e)
+    first = e * g.g
+    pts = Points(np.tile(np.eye(3), (m, 1, 1)), np.ones(m), g.Xg[first], e)
+    Q = g._axes()
+    pts.Q = None if Q is None else np.ascontiguousarray(Q[first])
+    pts.old, pts.new = g.old[first].copy(), g.new[first].copy()
+    s, C = np.zeros((m, 6)), np.zeros((m, 6, 6))
+    g.block.solid.stress(pts, s, C)
+    # n x n as a stress; the strain it causes has doubled shears, so that n . strain . n is a plain product
+    v = np.stack([n[:, 0] ** 2, n[:, 1] ** 2, n[:, 2] ** 2, n[:, 0] * n[:, 1], n[:, 1] * n[:, 2], n[:, 0] * n[:, 2]], 1)
+    strain = np.linalg.solve(C, v[:, :, None])[:, :, 0]
+    return 1.0 / (v * strain).sum(axis=1)
