@@ -318,6 +318,8 @@ class Newton:
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
         ok = ok and not (o.diverge_reform and energy > m.energy_max)
+        # surfaces that met while nothing else moved: an increment of zero is no sign of balance
+        ok = ok and not (self.system.contacts and r1 > m.residual0 and not U.any())
         return report, ok
 
     def _slow(self, report: dict[str, Norm]) -> bool:

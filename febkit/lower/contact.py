@@ -40,12 +40,13 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
+    "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # parameters that change nothing where they are 0, and are refused where they are not
-UNUSED = frozenset({"node_reloc", "smooth_aug"})
+UNUSED = frozenset({"node_reloc", "smooth_aug", "fric_coeff"})
 # parameters that the penalty of a body at rest does not depend on, and what is read elsewhere
 READ = frozenset({"update_penalty", "flip_primary", "flip_secondary", "shell_bottom_primary", "shell_bottom_secondary",
-                  "offset_shells"})  # fmt: skip
+                  "offset_shells", "symmetric_stiffness"})  # fmt: skip
 
 
 def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
@@ -65,7 +66,7 @@ def _contact(ctx: Context, c: Component) -> Any:
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
-        if leaf.tag in UNUSED and leaf.as_bool():
+        if leaf.tag in UNUSED and leaf.as_float() != 0.0:
             ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
         if leaf.tag in table:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)

@@ -12,6 +12,7 @@ TYPES = {
     "tied-node-on-facet": "tied_node",
     "tied-facet-on-facet": "tied_facet",
     "tied-elastic": "tied_elastic",
+    "sliding-elastic": "sliding_elastic",
 }
 _classes: dict[str, Any] = {}
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..group import VOIGT
 from ..points import Points
 from .surface import Floats, Ints, Surface
 
@@ -14,8 +15,11 @@ if TYPE_CHECKING:
 
 
 def automatic(surface: Surface, groups: list[Group]) -> Floats:
-    """E_n A / V of each facet (f,): E_n = 1 / (n . (C^-1 : n x n) . n) with C the tangent at rest, A the facet's area
-    and V the element's volume in the reference (FEBio User Manual, "auto_penalty"); 0 where no element is known."""
+    """E_n A / V of each facet (f,), 0 where no element is known: E_n from the compliance along n of the tangent at rest
+    (Young's modulus where n is an axis), A the facet's area and V the element's volume in the reference.
+
+    FEBio User Manual, "auto_penalty".
+    """
     out = np.zeros(len(surface.conn))
     normals = _normals(surface)
     for kind, rows in surface.kinds:
@@ -57,7 +61,7 @@ def _modulus(g: Group, e: Ints, n: Floats) -> Floats:
     pts.old, pts.new = g.old[first].copy(), g.new[first].copy()
     s, C = np.zeros((m, 6)), np.zeros((m, 6, 6))
     g.block.solid.stress(pts, s, C)
-    # n x n as a stress; the strain it causes has doubled shears, so that n . strain . n is a plain product
-    v = np.stack([n[:, 0] ** 2, n[:, 1] ** 2, n[:, 2] ** 2, n[:, 0] * n[:, 1], n[:, 1] * n[:, 2], n[:, 0] * n[:, 2]], 1)
-    strain = np.linalg.solve(C, v[:, :, None])[:, :, 0]
-    return 1.0 / (v * strain).sum(axis=1)
+    # FEBio 4.11 takes the inverse of the 6 x 6 matrix for the compliance tensor, so that its shears count four times;
+    # this tells where a facet is oblique to the axes
+    v = np.stack([n[:, i] * n[:, k] * (1.0 if i == k else 2.0) for i, k in VOIGT], axis=1)
+    return 1.0 / (v * np.linalg.solve(C, v[:, :, None])[:, :, 0]).sum(axis=1)
