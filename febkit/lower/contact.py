@@ -40,13 +40,15 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
+    "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
+    "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # parameters that change nothing where they are 0, and are refused where they are not
 UNUSED = frozenset({"node_reloc", "smooth_aug", "fric_coeff"})
 # parameters that the penalty of a body at rest does not depend on, and what is read elsewhere
 READ = frozenset({"update_penalty", "flip_primary", "flip_secondary", "shell_bottom_primary", "shell_bottom_secondary",
-                  "offset_shells", "symmetric_stiffness"})  # fmt: skip
+                  "offset_shells", "symmetric_stiffness", "fric_penalty", "ktmult"})  # fmt: skip
 
 
 def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:

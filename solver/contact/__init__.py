@@ -13,6 +13,8 @@ TYPES = {
     "tied-facet-on-facet": "tied_facet",
     "tied-elastic": "tied_elastic",
     "sliding-elastic": "sliding_elastic",
+    "sliding-node-on-facet": "node_on_facet",
+    "sliding-facet-on-facet": "facet_on_facet",
 }
 _classes: dict[str, Any] = {}
 

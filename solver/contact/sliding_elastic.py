@@ -29,7 +29,7 @@ class SlidingPoints(Side):
 
 @dataclass(eq=False)
 class SlidingElastic(Contact):
-    """A pressure p = max(L + eps g, 0) per current area along the normal of the primary surface (both, if ``two_pass``).
+    """A pressure p = max(L + eps g, 0) per current area along the normal of the primary surface (``two_pass``: both).
 
     g is the penetration where the normal of an integration point meets the other surface, within
     ``search_radius``; ``tension`` lets p be negative. FEBio User Manual, "Sliding-Elastic".

@@ -36,7 +36,7 @@ def _newton(T, x, nodes, n, p, H, G, C, w, rs, q):
                 c += C[m, 2] * y
         det = a * c - b * b
         dr, ds = -(c * u - b * v) / det, -(a * v - b * u) / det
-        if dr * dr + ds * ds < 1e-10:
+        if dr * dr + ds * ds < 1e-10:  # FEBio leaves the last increment out, which its answers show
             return True
         if k > 50:
             return False

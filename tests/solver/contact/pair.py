@@ -33,14 +33,16 @@ class Pair:
     """A lower block of 2 x 2 and an upper one of ``n`` x ``n`` elements a side, of unit height; they touch at z = 1.
 
     With n = 4 every facet of the upper block lies in one of the lower block, so that rules of both integrate exactly.
+    ``inset``: the upper block is narrower by this much at each side.
     """
 
-    def __init__(self, n: int = 3, gap: float = 0.0, skew: float = 0.0) -> None:
+    def __init__(self, n: int = 3, gap: float = 0.0, skew: float = 0.0, inset: float = 0.0) -> None:
         low, below = scenes.grid((2, 2, 2))
         high, above = scenes.grid((n, n, 2))
         if skew:
             inside = ((low[:, :2] > 1e-9) & (low[:, :2] < 1 - 1e-9)).all(axis=1)
             low = low + skew * inside[:, None] * np.array([1.0, -0.7, 0.0])
+        high[:, :2] = inset + (1 - 2 * inset) * high[:, :2]
         self.bottom, self.top = below, above + len(low)
         self.n = len(low)
         self.X = np.vstack([low, high + np.array([0.0, 0.0, 1.0 + gap])])

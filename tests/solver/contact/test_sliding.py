@@ -30,12 +30,12 @@ def test_patch(name: str, auto: bool) -> None:
     """A uniform pressure passes from one mesh to the other; gap and pressure are those of two springs in a row."""
     p, eps = scene.Pair(n=4), 50.0
     slide = make(name, p, penalty=eps, auto_penalty=auto)
-    u = scene.solve(p.problem(slide, -1e-2, dtol=1e-11)).state.d
+    u = scene.solve(p.problem(slide, -1e-2, dtol=1e-12)).state.d
     upper = np.zeros(len(p.X), bool)
     upper[np.unique(p.top)] = True
     (low, off), (high, off2) = scene.affine(p.X[~upper], u[~upper]), scene.affine(p.X[upper], u[upper])
-    assert max(off, off2) < 1e-10
-    assert np.abs(low - high).max() < 1e-10
+    assert max(off, off2) < 1e-9  # closest points are found to 1e-5 only, as FEBio does
+    assert np.abs(low - high).max() < 1e-9
     factor = scene.E * 2.0 if auto else 1.0  # elements are half a unit high below; the primary ones too
     gap = u[p.lower][..., 2].mean() - u[p.upper][..., 2].mean()
     assert gap == pytest.approx(-scene.E * low[2, 2] / (eps * factor), rel=0.03)
@@ -44,18 +44,40 @@ def test_patch(name: str, auto: bool) -> None:
 
 
 @pytest.mark.parametrize("name", TYPES)
-@pytest.mark.parametrize("two_pass", [False, True])
-def test_tangent_is_the_derivative(name: str, two_pass: bool) -> None:
-    p = scene.Pair(skew=0.1)
-    slide = make(name, p, penalty=3.0, knmult=1, two_pass=two_pass)
+def test_tangent_is_the_derivative(name: str) -> None:
+    p = scene.Pair(skew=0.1, inset=0.05)
+    slide = make(name, p, penalty=3.0, knmult=1)
     state = scene.started(p, slide)
-    d = RNG.uniform(-0.02, 0.02, p.X.shape)
+    d = np.random.default_rng(8).uniform(-0.02, 0.02, p.X.shape)
     d[np.unique(p.upper), 2] -= 0.06
     R = scene.forces(slide, state, d)
     assert (slide.sides[0].partner >= 0).sum() > 8
     assert np.abs(R.sum(axis=0)).max() < 1e-12
-    K, D = scene.stiffness(slide, state), scene.difference(slide, state, d)
-    assert np.abs(K - D).max() < 2e-7 * np.abs(K).max()
+    rough = name.endswith("on-facet")  # closest points are found to 1e-5 only: differences need large steps
+    K, D = scene.stiffness(slide, state), scene.difference(slide, state, d, 1e-3 if rough else 1e-6)
+    assert np.abs(K - D).max() < (3e-3 if rough else 1e-6) * np.abs(K).max()
+    without = make(name, p, penalty=3.0, knmult=0)
+    state = scene.started(p, without)
+    scene.forces(without, state, d)
+    assert np.abs(scene.stiffness(without, state) - D).max() > 2e-2 * np.abs(K).max()
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_two_passes_are_the_sum_of_both(name: str) -> None:
+    p = scene.Pair(skew=0.1, inset=0.05)
+    sides = p.sides
+    turned = {"primary": sides["secondary"], "secondary": sides["primary"]}
+    d = np.random.default_rng(8).uniform(-0.02, 0.02, p.X.shape)
+    d[np.unique(p.upper), 2] -= 0.06
+    R, K = [], []
+    for faces, two in ((sides, False), (turned, False), (sides, True)):
+        slide = contact.load(name)(**faces, penalty=3.0, two_pass=two)
+        state = scene.started(p, slide)
+        R.append(scene.forces(slide, state, d))
+        K.append(scene.stiffness(slide, state))
+    assert np.allclose(R[0] + R[1], R[2], atol=1e-14)
+    assert np.allclose(K[0] + K[1], K[2], atol=1e-13)
+    assert np.abs(R[1]).max() > 1e-3
 
 
 @pytest.mark.parametrize("name", TYPES)
@@ -94,7 +116,7 @@ def test_tension_holds_surfaces_together() -> None:
 
 
 def _sheet(n: int, z: float, up: bool, start: int) -> tuple[Any, Any]:
-    X, cells = scene.scenes.grid((n, n, 1), (1.0, 1.0, 0.1))
+    X, _ = scene.scenes.grid((n, n, 1), (1.0, 1.0, 0.1))
     X = X[X[:, 2] < 0.05] + [0.0, 0.0, z]
     k = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
     q = np.stack([k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]], axis=-1).reshape(-1, 4) + start
