@@ -243,6 +243,8 @@ class Newton:
         finally:
             self.count.factorisations = self.inverse.made - made
         self.total = self.total + self.increment
+        if self.system.dry is not None:
+            self.total[self.system.dry] = 0.0
         self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
         return self.count
 

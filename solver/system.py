@@ -11,8 +11,8 @@ from .group import Group
 from .kernels.pattern import scatter_any
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import Equations, Pattern
-from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
+from .pattern import FREE, Equations, Pattern
+from .problem import DYNAMIC, STEADY, P, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
 from .tangent import Target, Workspace, add_chunk
@@ -36,6 +36,7 @@ class System:
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
         self.contacts = [*problem.common.contacts, *step.contacts]
         self.progress = Progress()
+        self.dry: NDArray[np.int64] | None = None  # equations of pressures that contact holds at zero
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -126,6 +127,7 @@ class System:
         """Move the state to free unknowns ``total`` and prescribed values ``target``; update stresses."""
         s = self.state
         self.spread(total, s.d)
+        self._drain()
         given = self.eqs.kind == 2
         s.d[given] = target[given]
         self._rates()
@@ -144,8 +146,13 @@ class System:
             s.velocity = du / s.dt
 
     def update(self) -> None:
-        """Kinematics, stresses and fluxes at the present state."""
+        """Contacts, kinematics, stresses and fluxes at the present state."""
         s = self.state
+        for contact in self.contacts:
+            contact.update(s, self.progress)
+        if any(c.drains for c in self.contacts):
+            self._find_dry()
+            self._drain()
         u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.d_old[:, :3]
         drive = [b for b in self.body_loads if hasattr(b, "force")]
 
@@ -157,8 +164,23 @@ class System:
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
                 g.conserve(s.u, s.d_old[:, :3], s.dt)
+
+    def _find_dry(self) -> None:
+        """Free pressures of porous surfaces that touch nothing."""
+        dry = np.zeros(len(self.state.X), bool)
+        wet = np.zeros(len(self.state.X), bool)
         for contact in self.contacts:
-            contact.update(s, self.progress)
+            if contact.drains:
+                nodes, touching = contact.drained(self.state)
+                dry[nodes] = True
+                wet[touching] = True
+        dry &= ~wet & (self.eqs.kind[:, P] == FREE)
+        self.dry = self.eqs.eq[dry, P].astype(np.int64)
+        self._dry_nodes = np.flatnonzero(dry)
+
+    def _drain(self) -> None:
+        if self.dry is not None:
+            self.state.d[self._dry_nodes, P] = 0.0
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
@@ -186,6 +208,8 @@ class System:
             self._inertia(total)
         out = self.gather(total)
         out[self.eqs.given] = 0.0
+        if self.dry is not None:
+            out[self.dry] = 0.0
         return out
 
     def _inertia(self, total: Floats) -> None:
@@ -226,7 +250,20 @@ class System:
                 self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
             self._add_mass(A, step, Fd)
+        if self.dry is not None:
+            self._uncouple(A, Fd)
         return A, Fd
+
+    def _uncouple(self, A: Matrix, Fd: Floats) -> None:
+        """Leave of the rows and columns of dry pressures the diagonal alone."""
+        assert self.dry is not None
+        dry = np.zeros(A.n, bool)
+        dry[self.eqs.free[self.dry]] = True
+        row = np.repeat(np.arange(A.n), np.diff(A.indptr))
+        A.data[(dry[row] | dry[A.indices]) & (row != A.indices)] = 0.0
+        at = dry[row] & (row == A.indices)
+        A.data[at] = np.where(A.data[at] == 0.0, -1.0, A.data[at])
+        Fd[self.dry] = 0.0
 
     def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:
         """Add matrices K (m, d, d) whose row k is unknown (nodes[:, k], columns[k])."""

@@ -40,15 +40,20 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
+    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "sliding-biphasic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER},
     "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # parameters that change nothing where they are 0, and are refused where they are not
 UNUSED = frozenset({"node_reloc", "smooth_aug", "fric_coeff"})
-# parameters that the penalty of a body at rest does not depend on, and what is read elsewhere
-READ = frozenset({"update_penalty", "flip_primary", "flip_secondary", "shell_bottom_primary", "shell_bottom_secondary",
-                  "offset_shells", "symmetric_stiffness", "fric_penalty", "ktmult"})  # fmt: skip
+# what is read elsewhere, or has no effect: penalties of bodies at rest need no update, and without friction its
+# parameters say nothing
+READ = frozenset({
+    "update_penalty", "flip_primary", "flip_secondary", "shell_bottom_primary", "shell_bottom_secondary",
+    "offset_shells", "symmetric_stiffness", "fric_penalty", "ktmult", "contact_frac", "smooth_fls",
+})  # fmt: skip
 
 
 def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
@@ -57,6 +62,9 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
     for c in specs:
         if c.tag != "contact" or c.type not in PARAMETERS or not records.known(c.type):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+            continue
+        if "biphasic" in c.type and not any(m.type == "biphasic" for m in ctx.model.materials):
+            ctx.refuse(f'<{c.tag} type="{c.type}"> in a model without fluid', c.where)
             continue
         out.append(_contact(ctx, c))
     return out
@@ -74,7 +82,7 @@ def _contact(ctx: Context, c: Component) -> Any:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
-    needs = bool(kw.get("auto_penalty"))
+    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
     kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
     kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
     return records.load(c.type or "")(**kw)

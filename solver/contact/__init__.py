@@ -12,7 +12,9 @@ TYPES = {
     "tied-node-on-facet": "tied_node",
     "tied-facet-on-facet": "tied_facet",
     "tied-elastic": "tied_elastic",
+    "tied-biphasic": "tied_biphasic",
     "sliding-elastic": "sliding_elastic",
+    "sliding-biphasic": "sliding_biphasic",
     "sliding-node-on-facet": "node_on_facet",
     "sliding-facet-on-facet": "facet_on_facet",
 }

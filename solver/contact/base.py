@@ -173,6 +173,7 @@ class Contact:
     maxaug: int = 10
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
+    drains: ClassVar[bool] = False  # ``drained(state)`` says which nodes have no fluid pressure
 
     def __post_init__(self) -> None:
         self.penalty = as_value(self.penalty)

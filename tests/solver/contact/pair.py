@@ -10,7 +10,8 @@ import numpy as np
 
 from febkit.solver.contact.surface import Facets
 from febkit.solver.group import Group
-from febkit.solver.problem import UX, UY, UZ, Block, Fixed, Prescribed, Problem, Progress, Step
+from febkit.solver.permeabilities.const_iso import ConstIso
+from febkit.solver.problem import UX, UY, UZ, Block, Fixed, Mixture, Prescribed, Problem, Progress, Step
 from febkit.solver.run import run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.state import State
@@ -36,7 +37,9 @@ class Pair:
     ``inset``: the upper block is narrower by this much at each side.
     """
 
-    def __init__(self, n: int = 3, gap: float = 0.0, skew: float = 0.0, inset: float = 0.0) -> None:
+    def __init__(
+        self, n: int = 3, gap: float = 0.0, skew: float = 0.0, inset: float = 0.0, biphasic: bool = False
+    ) -> None:
         low, below = scenes.grid((2, 2, 2))
         high, above = scenes.grid((n, n, 2))
         if skew:
@@ -50,7 +53,8 @@ class Pair:
         self.upper = _faces(high, above, 0.0, False) + len(low)
         solid = IsotropicElastic(E, V)
         self.blocks = [
-            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid) for name, c in (("low", below), ("high", self.top))
+            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid, Mixture(ConstIso(0.5)) if biphasic else None)
+            for name, c in (("low", below), ("high", self.top))
         ]
 
     def facets(self, conn: Any, block: int) -> Facets:
@@ -91,13 +95,14 @@ def started(pair: Pair, contact: Any) -> State:
     """A state with the contact activated at rest."""
     problem = pair.problem(contact, 0.0)
     state = State.at_rest(problem)
+    state.dt = 0.5
     contact.activate(state, [Group(b, pair.X) for b in pair.blocks])
     return state
 
 
 def forces(contact: Any, state: State, d: Any, steps: int = 1) -> Any:
     """Contact forces (node, 3) at displacements d, the first iteration being over."""
-    state.d[:, :3] = d
+    state.d[:, : d.shape[1]] = d
     contact.update(state, Progress(steps))
     R = np.zeros_like(state.d)
     contact.residual(state, R)

@@ -14,7 +14,7 @@ from febkit.solver import contact
 sys.path.insert(0, str(Path(__file__).parent))
 import pair as scene
 
-TYPES = sorted(n for n in contact.TYPES if n.startswith("tied"))
+TYPES = sorted(n for n in contact.TYPES if n.startswith("tied") and "biphasic" not in n)
 RNG = np.random.default_rng(3)
 
 
