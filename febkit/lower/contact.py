@@ -47,7 +47,7 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # parameters that change nothing where they are 0, and are refused where they are not
-UNUSED = frozenset({"node_reloc", "smooth_aug", "fric_coeff"})
+UNUSED = frozenset({"node_reloc", "smooth_aug"})
 # what is read elsewhere, or has no effect: penalties of bodies at rest need no update, and without friction its
 # parameters say nothing
 READ = frozenset({
@@ -72,7 +72,7 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
 
 def _contact(ctx: Context, c: Component) -> Any:
     table = PARAMETERS[c.type or ""]
-    known = set(table) | UNUSED | READ
+    known = set(table) | UNUSED | READ | {"fric_coeff"}
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
@@ -80,12 +80,28 @@ def _contact(ctx: Context, c: Component) -> Any:
             ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
         if leaf.tag in table:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)
+    friction = _friction(ctx, c)
+    if friction:
+        kw["fric_coeff"] = friction
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
     needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
     kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
     kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
-    return records.load(c.type or "")(**kw)
+    return records.load(c.type or "", bool(friction))(**kw)
+
+
+def _friction(ctx: Context, c: Component) -> float:
+    """Coefficient of friction, refused where the solver has none or together with tension."""
+    leaf = c.child("fric_coeff")
+    if leaf is None or leaf.as_float() == 0.0:
+        return 0.0
+    if c.type not in records.FRICTION:
+        ctx.refuse(f'<fric_coeff> of <contact type="{c.type}">', leaf.where)
+        return 0.0
+    if c.bool("tension"):
+        raise InputError("<tension> and <fric_coeff> exclude each other", leaf.where)
+    return leaf.as_float()
 
 
 def _pair(ctx: Context, c: Component) -> tuple[str, str]:

@@ -18,6 +18,8 @@ TYPES = {
     "sliding-node-on-facet": "node_on_facet",
     "sliding-facet-on-facet": "facet_on_facet",
 }
+FRICTION = {"sliding-elastic": "sliding-elastic with friction"}  # of types that can be had with it
+FILES = {**TYPES, "sliding-elastic with friction": "sliding_friction"}
 _classes: dict[str, Any] = {}
 
 
@@ -30,7 +32,8 @@ def known(febio_type: str) -> bool:
     return febio_type in TYPES
 
 
-def load(febio_type: str) -> Any:
-    """The class of a contact type; KeyError where there is none."""
-    import_module(f"{__name__}.{TYPES[febio_type]}")
-    return _classes[febio_type]
+def load(febio_type: str, friction: bool = False) -> Any:
+    """The class of a contact type, with friction where it is asked for; KeyError where there is none."""
+    name = FRICTION[febio_type] if friction else febio_type
+    import_module(f"{__name__}.{FILES[name]}")
+    return _classes[name]
