@@ -36,6 +36,36 @@ def _newton(T, x, nodes, n, p, H, G, C, w, rs, q):
                 c += C[m, 2] * y
         det = a * c - b * b
         dr, ds = -(c * u - b * v) / det, -(a * v - b * u) / det
+        if dr * dr + ds * ds < 1e-10:
+            return True
+        if k > 50:
+            return False
+        rs[0] += dr
+        rs[1] += ds
+    return False
+
+
+@kernel
+def _newton_quad(x, nodes, p, w, rs, q):
+    """:func:`_newton` of a quadrilateral of 4 nodes: q = a + b r + c s + d r s, of w (6, 3) the first four rows."""
+    for i in range(3):
+        y0, y1, y2, y3 = x[nodes[0], i], x[nodes[1], i], x[nodes[2], i], x[nodes[3], i]
+        w[0, i], w[1, i] = 0.25 * (y0 + y1 + y2 + y3), 0.25 * (y1 + y2 - y0 - y3)
+        w[2, i], w[3, i] = 0.25 * (y2 + y3 - y0 - y1), 0.25 * (y0 + y2 - y1 - y3)
+    for k in range(52):
+        r, s = rs[0], rs[1]
+        a = b = c = u = v = 0.0
+        for i in range(3):
+            g, h = w[1, i] + w[3, i] * s, w[2, i] + w[3, i] * r
+            q[i] = w[0, i] + w[1, i] * r + h * s
+            f = q[i] - p[i]
+            u += f * g
+            v += f * h
+            a += g * g
+            b += g * h + f * w[3, i]
+            c += h * h
+        det = a * c - b * b
+        dr, ds = -(c * u - b * v) / det, -(a * v - b * u) / det
         if dr * dr + ds * ds < 1e-10:  # FEBio leaves the last increment out, which its answers show
             return True
         if k > 50:
@@ -48,10 +78,12 @@ def _newton(T, x, nodes, n, p, H, G, C, w, rs, q):
 @kernel
 def project(T, x, nodes, n, p, H, G, C, w, rs, q):
     """Project p on a facet: q (3,) and its coordinates rs (2,), which start the search."""
-    if n > 3:
-        if _newton(T, x, nodes, n, p, H, G, C, w, rs, q) or n != 4:
-            return
-        _approach(T, x, nodes, n, p, H, G, C, w, rs, q)
+    if n == 4:
+        if not _newton_quad(x, nodes, p, w, rs, q):
+            _approach(x, nodes, p, w, rs, q)
+        return
+    if n > 4:
+        _newton(T, x, nodes, n, p, H, G, C, w, rs, q)
         return
     e, f = w[0], w[1]
     ep = fp = 0.0
@@ -67,9 +99,9 @@ def project(T, x, nodes, n, p, H, G, C, w, rs, q):
 
 
 @kernel
-def _approach(T, x, nodes, n, p, H, G, C, w, rs, q):
+def _approach(x, nodes, p, w, rs, q):
     """Project points between the facet's middle and p in turn, where p itself fails."""
-    at, to = w[3], w[4]
+    at, to = w[4], w[5]
     for i in range(3):
         at[i] = 0.25 * (x[nodes[0], i] + x[nodes[1], i] + x[nodes[2], i] + x[nodes[3], i])
     rs[0] = rs[1] = 0.0
@@ -77,7 +109,7 @@ def _approach(T, x, nodes, n, p, H, G, C, w, rs, q):
     for _ in range(21):
         for i in range(3):
             to[i] = at[i] * (1.0 - step) + p[i] * step
-        if _newton(T, x, nodes, n, to, H, G, C, w, rs, q):
+        if _newton_quad(x, nodes, to, w, rs, q):
             level -= 1
             if level == 0:
                 for i in range(3):
@@ -166,8 +198,11 @@ def _try(T, x, conn, count, e, p, tol, H, G, C, w, most, out):
 
 
 @kernel
-def closest(T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol, special, H, G, C, w, out):
-    """The facet around local node i that holds the projection of p, or -1; out (11,): r, s, q (3,) and work."""
+def closest(T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol, special, H, G, C, w, seen, out):
+    """The facet around local node i that holds the projection of p, or -1; out (14,): r, s, q (3,) and work.
+
+    seen (64,): work.
+    """
     best, d2 = -1, np.inf
     for k in range(first[i], first[i + 1]):
         if _try(T, x, conn, count, star[k], p, tol, H, G, C, w, d2, out):
@@ -175,13 +210,21 @@ def closest(T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol,
     if best >= 0 or not special:
         return best
     d2 = _square(x[nodes[i]], p)
+    seen[:] = -1
     for k in range(first[i], first[i + 1]):  # facets around the neighbours
         e = star[k]
         for a in range(count[e]):
             m = local[e, a]
             for j in range(first[m], first[m + 1]):
-                if _try(T, x, conn, count, star[j], p, tol, H, G, C, w, d2, out):
-                    best, d2 = star[j], out[5]
+                f = star[j]
+                new = not _touches(conn, count, f, nodes[i])  # others were tried above
+                for b in range(len(seen)):
+                    if seen[b] == f or seen[b] < 0:
+                        new = new and seen[b] < 0
+                        seen[b] = f
+                        break
+                if new and _try(T, x, conn, count, f, p, tol, H, G, C, w, d2, out):
+                    best, d2 = f, out[5]
     if best >= 0:
         return best
     best = _edge(T, x, conn, count, nodes, local, neighbours, first, star, i, p, d2, tol, H, G, C, w, out)
@@ -193,7 +236,7 @@ def closest(T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol,
 @kernel
 def _edge(T, x, conn, count, nodes, local, neighbours, first, star, i, p, d2, tol, H, G, C, w, out):
     """The facet with an edge at local node i that p projects on; edges of the surface's border do not count."""
-    best, on = -1, w[5]
+    best, on = -1, out[11:14]
     for k in range(first[i], first[i + 1]):
         e = star[k]
         sides = 4 if count[e] in (4, 8, 9) else 3
@@ -253,7 +296,7 @@ def follow(
     projection stays inside, else searched anew (if ``update``); rs (q, 2), place (q, 3): where.
     """
     H, G, C, w = np.empty(9), np.empty((9, 2)), np.empty((9, 3)), np.empty((6, 3))
-    out, stack = np.zeros(11), np.empty(64, np.int64)
+    out, stack, seen = np.zeros(14), np.empty(64, np.int64), np.empty(64, np.int64)
     for k in range(len(partner)):
         e, p = partner[k] if keep else -1, points[k]
         if e >= 0:
@@ -266,7 +309,8 @@ def follow(
             )  # fmt: skip
             if i >= 0:
                 e = closest(
-                    T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol, special, H, G, C, w, out
+                    T, x, conn, count, nodes, local, neighbours, first, star, i, p, tol, special, H, G, C, w, seen,
+                    out,
                 )  # fmt: skip
             if e >= 0:
                 rs[k, 0], rs[k, 1] = out[0], out[1]
