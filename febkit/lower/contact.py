@@ -86,6 +86,7 @@ def _contact(ctx: Context, c: Component) -> Any:
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
     needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
+    kw["names"] = first, second
     kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
     kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
     return records.load(c.type or "", bool(friction))(**kw)

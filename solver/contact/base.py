@@ -171,6 +171,7 @@ class Contact:
     tolerance: float = 0.1
     minaug: int = 0
     maxaug: int = 10
+    names: tuple[str, str] = ("", "")  # of the surfaces, for output
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
     drains: ClassVar[bool] = False  # ``drained(state)`` says which nodes have no fluid pressure
@@ -217,6 +218,34 @@ class Contact:
 
     def augment(self, done: int, state: State) -> bool:
         return True
+
+    def pressure(self, s: Side, state: State) -> Floats:
+        """Pressure at the points of a side (q,)."""
+        raise NotImplementedError
+
+    def net_pressure(self, s: Side, state: State) -> Floats:
+        """Pressure (q,) with what the other surface's own pass adds where there are two."""
+        p = self.pressure(s, state)
+        if len(self.passes) < 2:
+            return p
+        o = next(q for q in self.sides if q is not s)
+        other = self.pressure(o, state)
+        at = np.where(o.surface.local >= 0, other[o.surface.local], 0.0) if o.nodal else o.surface.to_nodes(other)
+        return p + np.where(s.partner >= 0, np.maximum((s.M * at[s.partner]).sum(axis=1), 0.0), 0.0)
+
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        """The "gap", "pressure" or "traction" at the points of a side that acts; None where there is no such thing."""
+        raise NotImplementedError
+
+    def on_facets(self, what: str, state: State) -> list[Floats] | None:
+        """Means over the facets of both surfaces of what :meth:`values` gives; zero on one that does not act."""
+        out = []
+        for s in self.sides:
+            v = self.values(s, what, state) if s in self.passes else np.zeros((s.n, *[3] * (what == "traction")))
+            if v is None:
+                return None
+            out.append(s.surface.means(v, s.nodal))
+        return out
 
     def cliques(self) -> list[Ints]:
         return [c for s in self.passes if len(c := s.couples())]

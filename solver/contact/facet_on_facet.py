@@ -45,6 +45,7 @@ class FacetOnFacet(Contact):
     seg_up: int = 0
     tolerance: float = 0.01
     side: ClassVar[type[Side]] = ClosestSide
+    written: ClassVar[float] = -1.0  # sign of the tractions that FEBio writes
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -86,6 +87,13 @@ class FacetOnFacet(Contact):
         assert isinstance(s, ClosestSide)
         p = np.maximum(s.multiplier + self.scale(state) * s.modulus * s.gap, 0.0)
         return np.where(s.partner >= 0, p, 0.0)
+
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        assert isinstance(s, ClosestSide)
+        if what == "gap":
+            return s.gap
+        p = self.net_pressure(s, state)
+        return p if what == "pressure" else self.written * p[:, None] * s.partner_normals
 
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:

@@ -24,6 +24,7 @@ class NodeOnFacet(FacetOnFacet):
     """
 
     nodal: ClassVar[bool] = True
+    written: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         super().__post_init__()

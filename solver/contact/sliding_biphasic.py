@@ -142,12 +142,7 @@ class SlidingBiphasic(SlidingElastic):
 
     def _nodal_pressure(self, s: Side, state: State) -> Floats:
         """Mean pressure over the facets around each node (m,) that bear any."""
-        p, w = self.pressure(s, state), s.surface
-        if self.two_pass:
-            o = next(q for q in self.sides if q is not s)
-            there = (s.M * _to_nodes(o.surface, self.pressure(o, state))[s.partner]).sum(axis=1)
-            p = p + np.where(s.partner >= 0, np.maximum(there, 0.0), 0.0)
-        mean = np.bincount(w.facet, p, len(w.conn)) / np.bincount(w.facet, minlength=len(w.conn))
+        w, mean = s.surface, s.surface.means(self.net_pressure(s, state), False)
         use = (w.local >= 0) & (mean > 0.0)[:, None]
         count = np.bincount(w.local[use], minlength=len(w.nodes))
         total = np.bincount(w.local[use], np.broadcast_to(mean[:, None], use.shape)[use], len(w.nodes))
@@ -167,17 +162,6 @@ class SlidingBiphasic(SlidingElastic):
         contact_kernels.partners(primary.T, x, primary.conn, primary.count, partner, rs, M, place)
         value = (M * np.where(primary.local >= 0, p[primary.local], 0.0)[partner]).sum(axis=1)
         return np.where(partner >= 0, value, 0.0)
-
-
-def _to_nodes(s: Surface, values: Floats) -> Floats:
-    """Values of integration points (q,) at the nodes of each facet (f, 9)."""
-    out, start = np.zeros((len(s.conn), 9)), 0
-    for kind, rows in s.kinds:
-        e = elements.get(kind, s.given.rules.get(kind))
-        m = rows.stop - rows.start
-        out[rows, : e.nodes] = values[start : start + m * e.npoints].reshape(m, -1) @ e.extrapolation.T
-        start += m * e.npoints
-    return out
 
 
 def _node_normals(s: Surface, x: Floats) -> Floats:

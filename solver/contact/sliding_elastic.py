@@ -94,6 +94,13 @@ class SlidingElastic(Contact):
         p = s.multiplier + self.stiffnesses(s, state) * s.gap
         return np.where(s.partner >= 0, p if self.tension else np.maximum(p, 0.0), 0.0)
 
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        assert isinstance(s, SlidingPoints)
+        if what == "gap":
+            return s.gap
+        p = self.net_pressure(s, state)
+        return p if what == "pressure" else -p[:, None] * s.normals
+
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             f = -self.pressure(s, state) * s.detJ * s.surface.weight

@@ -74,6 +74,10 @@ class SlidingFriction(SlidingElastic):
         assert isinstance(s, FrictionPoints)
         return s.p
 
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        assert isinstance(s, FrictionPoints)
+        return s.t if what == "traction" and not self.two_pass else super().values(s, what, state)
+
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             assert isinstance(s, FrictionPoints)

@@ -156,6 +156,29 @@ class Surface:
         found = (mine.get(tuple(sorted(c[:n])), -1) for c, n in zip(other.conn, other.count, strict=True))
         return np.fromiter(found, np.int64, len(other.conn))
 
+    # ---- values on facets -------------------------------------------------------------------------
+    def to_nodes(self, values: Floats) -> Floats:
+        """Values of integration points (q,) at the nodes of each facet (f, 9)."""
+        out, start = np.zeros((len(self.conn), 9)), 0
+        for kind, rows in self.kinds:
+            e = elements.get(kind, self.given.rules.get(kind))
+            m = rows.stop - rows.start
+            part = values[start : start + m * e.npoints].reshape(m, -1)
+            out[rows, : e.nodes] = part @ e.extrapolation.T
+            start += m * e.npoints
+        return out
+
+    def means(self, values: Floats, nodal: bool) -> Floats:
+        """Means (f, ...) of values of integration points (q, ...), or of nodes (m, ...), over each facet."""
+        if nodal:
+            inside = (self.local >= 0).reshape(*self.local.shape, *[1] * (values.ndim - 1))
+            total = np.where(inside, values[self.local], 0.0).sum(axis=1)
+            return np.asarray(total / self.count.reshape(-1, *[1] * (values.ndim - 1)))
+        total = np.zeros((len(self.conn), *values.shape[1:]))
+        np.add.at(total, self.facet, values)
+        points = np.bincount(self.facet, minlength=len(self.conn))
+        return np.asarray(total / points.reshape(-1, *[1] * (values.ndim - 1)))
+
     # ---- reference measures -----------------------------------------------------------------------
     @cached_property
     def reference_weight(self) -> Floats:

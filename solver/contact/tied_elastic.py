@@ -73,6 +73,12 @@ class TiedElastic(Contact):
         assert isinstance(s, TiedPoints)
         return np.asarray(s.multiplier + (self.scale(state) * s.modulus)[:, None] * s.gap)
 
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        assert isinstance(s, TiedPoints)
+        if what == "traction":
+            return self.traction(s, state)
+        return np.asarray(np.linalg.norm(s.gap, axis=1)) if what == "gap" else None
+
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             assert isinstance(s, TiedPoints)

@@ -72,6 +72,12 @@ class TiedNode(Contact):
         assert isinstance(s, TiedSide)
         return np.asarray(s.multiplier + self.scale(state) * s.gap)
 
+    def values(self, s: Side, what: str, state: State) -> Floats | None:
+        assert isinstance(s, TiedSide)
+        if what == "traction":
+            return self.traction(state)
+        return np.asarray(np.linalg.norm(s.gap, axis=1)) if what == "gap" else None
+
     def residual(self, state: State, R: Floats) -> None:
         s = self.sides[0]
         s.spread(-s.reference_area[:, None] * self.traction(state), R)
