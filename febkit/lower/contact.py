@@ -83,6 +83,8 @@ def _contact(ctx: Context, c: Component) -> Any:
     friction = _friction(ctx, c)
     if friction:
         kw["fric_coeff"] = friction
+        if c.type == "sliding-node-on-facet":
+            kw["fric_penalty"] = c.float("fric_penalty", 0.0)
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
     needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
@@ -95,8 +97,11 @@ def _contact(ctx: Context, c: Component) -> Any:
 def _friction(ctx: Context, c: Component) -> float:
     """Coefficient of friction, refused where the solver has none or together with tension."""
     leaf = c.child("fric_coeff")
-    if leaf is None or leaf.as_float() == 0.0:
+    nodal = c.type == "sliding-node-on-facet"  # where FEBio has friction only if it has a penalty, too
+    if leaf is None or leaf.as_float() == 0.0 or (nodal and c.float("fric_penalty", 0.0) == 0.0):
         return 0.0
+    if nodal and c.float("ktmult", 0.0) != 0.0:
+        ctx.refuse(f'<ktmult> of <contact type="{c.type}">', c.need("ktmult").where)
     if c.type not in records.FRICTION:
         ctx.refuse(f'<fric_coeff> of <contact type="{c.type}">', leaf.where)
         return 0.0

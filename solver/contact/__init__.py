@@ -18,8 +18,15 @@ TYPES = {
     "sliding-node-on-facet": "node_on_facet",
     "sliding-facet-on-facet": "facet_on_facet",
 }
-FRICTION = {"sliding-elastic": "sliding-elastic with friction"}  # of types that can be had with it
-FILES = {**TYPES, "sliding-elastic with friction": "sliding_friction"}
+FRICTION = {  # the names of types with friction
+    "sliding-elastic": "sliding-elastic with friction",
+    "sliding-node-on-facet": "sliding-node-on-facet with friction",
+}
+FILES = {
+    **TYPES,
+    "sliding-elastic with friction": "sliding_friction",
+    "sliding-node-on-facet with friction": "node_friction",
+}
 _classes: dict[str, Any] = {}
 
 

@@ -74,3 +74,48 @@ def test_what_does_not_slide_sticks() -> None:
     scene.solve(p.problem(slide, -1e-2, dtol=1e-8))
     side = slide.sides[0]
     assert side.sticks[side.p > 0].all()
+
+
+def nodal(p: scene.Pair, mu: float, **kw: Any) -> Any:
+    return contact.load("sliding-node-on-facet", friction=True)(**p.sides, fric_coeff=mu, fric_penalty=2.0, **kw)
+
+
+@pytest.mark.parametrize(("mu", "sticks"), [(0.1, False), (50.0, True)])
+def test_nodes_that_slip_are_held_by_mu_times_their_load(mu: float, sticks: bool) -> None:
+    p = scene.Pair(inset=0.05)
+    slide = nodal(p, mu, penalty=3.0)
+    state = scene.started(p, slide)
+    d = np.zeros_like(p.X)
+    d[np.unique(p.top)] = [0.04, 0.02, -0.05]
+    R = scene.forces(slide, state, d)
+    assert np.abs(R.sum(axis=0)).max() < 1e-12
+    side = slide.sides[0]
+    load, area = R[side.surface.nodes], side.surface.nodal_area
+    normal = load[:, 2]
+    assert normal == pytest.approx(3.0 * 0.05 * area, rel=1e-9)
+    drag = np.linalg.norm(load[:, :2], axis=1)
+    expected = 2.0 * np.hypot(0.04, 0.02) * area if sticks else mu * normal
+    assert drag == pytest.approx(expected, rel=1e-4)  # closest points are found to 1e-5
+    assert (load[:, :2] @ [0.04, 0.02]).max() < 0.0
+    K = scene.stiffness(slide, state)
+    without = contact.load("sliding-node-on-facet")(**p.sides, penalty=3.0)
+    scene.forces(without, scene.started(p, without), d)
+    bare = scene.stiffness(without, state)
+    assert (np.abs(K - bare).max() > 0.1) == sticks  # only nodes that stick add to the tangent
+    assert np.allclose(K, K.T, atol=1e-12)
+
+
+def test_first_places_move_over_with_the_node() -> None:
+    p = scene.Pair(inset=0.05)
+    slide = nodal(p, 50.0, penalty=3.0)
+    state = scene.started(p, slide)
+    side, d = slide.sides[0], np.zeros_like(p.X)
+    before = side.partner.copy()
+    for x in (0.1, 0.2, 0.3):
+        d[np.unique(p.top)] = [x, 0.0, -0.05]
+        R = scene.forces(slide, state, d)
+    held = side.partner >= 0
+    assert (held & (side.partner != before)).any()
+    drag = R[side.surface.nodes, 0]
+    inner = held & (side.surface.nodal_area > 0)
+    assert drag[inner] == pytest.approx(-2.0 * 0.3 * side.surface.nodal_area[inner], rel=1e-3)
