@@ -9,7 +9,7 @@ from febkit.model import InputError, Model, UnsupportedError
 from febkit.model import Step as ModelStep
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
-from . import conditions, contact, control, loads, materials, rigid, shells
+from . import conditions, control, loads, materials, rigid, shells
 from .context import Context
 
 
@@ -96,7 +96,10 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
-    out.contacts = contact.contacts(ctx, spec.contact)
+    if spec.contact:
+        from .contact import contacts
+
+        out.contacts = contacts(ctx, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]
