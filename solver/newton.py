@@ -105,6 +105,7 @@ class Newton:
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
         self.augments = bool(system.augmented) or any(g.block.augment is not None for g in system.groups)
+        self.augments = self.augments or any(c.augments for c in system.contacts)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -250,6 +251,8 @@ class Newton:
             self.count.factorisations = self.inverse.made - made
         self.total = self.total + self.increment
         self._last = self.increment[self.rows] if self.reuse else None
+        if self.system.dry is not None:
+            self.total[self.system.dry] = 0.0
         self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1
         return self.count
 
@@ -260,6 +263,7 @@ class Newton:
         du = np.zeros_like(self.total)
         given = sys_.gather(self.target) - sys_.gather(sys_.state.d)
         du[self.given] = given[self.given]
+        sys_.progress.iterations = sys_.progress.augmentations = 0
         sys_.update()
         self.qn.reset() if self.force_reform or o.reform_each_step else None
         self.qn.begin()
@@ -268,6 +272,7 @@ class Newton:
         norms = Norms()
         while not self._iterate(R0, norms, u):
             R0, u = self._next_R0, None
+            sys_.progress.iterations = self.count.iterations
 
     def _iterate(self, R0: Floats, m: Norms, u: Floats | None = None) -> bool:
         o, k = self.options, self.count
@@ -328,6 +333,8 @@ class Newton:
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
         ok = ok and not (o.diverge_reform and energy > m.energy_max)
+        # surfaces that met while nothing else moved: an increment of zero is no sign of balance
+        ok = ok and not (self.system.contacts and r1 > m.residual0 and not U.any())
         return report, ok
 
     def _square(self, u: Floats, mask: NDArray[np.int64]) -> float:
@@ -361,10 +368,12 @@ class Newton:
         self._next_R0 = R1
 
     def _augment(self) -> bool:
-        k = self.count
-        done = [g.augment(k.augmentations)[0] for g in self.system.groups]
-        done += [load.augment(k.augmentations) for load in self.system.augmented]
+        k, system = self.count, self.system
+        done = [g.augment(k.augmentations)[0] for g in system.groups]
+        done += [load.augment(k.augmentations) for load in system.augmented]
+        done += [c.augment(k.augmentations, system.state) for c in system.contacts]
         k.augmentations += 1
+        system.progress.augmentations = k.augmentations
         k.reforms = 0
         if all(done):
             return True

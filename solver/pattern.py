@@ -147,6 +147,10 @@ class Pattern:
         """Elements of a group whose entries more than one thread may add to."""
         return self._contended[id(group)]
 
+    def holds(self, cliques: list[NDArray[np.int32]]) -> bool:
+        """Does the pattern have an entry for every pair of nodes of the cliques (m, n), padded with -1?"""
+        return all(kernels.holds(self._first, self._nbr, np.ascontiguousarray(c), self.symmetric) for c in cliques)
+
     def matrix(self) -> Matrix:
         """A zero matrix of this pattern (the pattern arrays are shared)."""
         return Matrix(self.indptr, self.indices, np.zeros(len(self.indices)), self.symmetric)

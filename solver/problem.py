@@ -186,6 +186,15 @@ class Step:
     attached: list[Attached] = field(default_factory=list)
     connectors: list[Connector] = field(default_factory=list)
     constraints: list[LinearConstraint] = field(default_factory=list)
+    contacts: list[Any] = field(default_factory=list)  # see contact.base
+
+
+@dataclass
+class Progress:
+    """Where the solve of a time step stands: iterations and augmentations done."""
+
+    iterations: int = 0
+    augmentations: int = 0
 
 
 @dataclass(eq=False)

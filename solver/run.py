@@ -141,6 +141,8 @@ class Run:
 
             self.bodies = Bodies(self.problem, self.state)
         self._initial(self.problem.common)
+        for contact in self.problem.common.contacts:
+            contact.activate(self.state, self.groups)
         self.tell("start")
         if len(self.problem.steps) == 1:
             self._first_state()
@@ -183,6 +185,8 @@ class Run:
         for load in step.loads:
             if hasattr(load, "begin"):
                 load.begin(s.reaction)
+        for contact in step.contacts:
+            contact.activate(s, self.groups)
         self.stepper = stepper(step, s.time, self.options.accuracy)
         self.integrator = self._second_order(newton)
         self.stepper.first(s.time)
@@ -261,7 +265,7 @@ class Run:
             return self.options.factor == "reuse"
         pinned = self.step.auto is not None or self.options.accuracy > 0.0
         pinned = pinned and self.step.saving.level != "PLOT_MAJOR_ITRS"
-        transient = self.problem.biphasic and self.step.analysis == TRANSIENT
+        transient = self.problem.biphasic and self.step.analysis == TRANSIENT and not self.system.contacts
         return pinned and transient and len(self.system.eqs.rows) >= REUSE_EQUATIONS
 
     def _initial_acceleration(self) -> None:
@@ -312,7 +316,8 @@ class Run:
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
-        saved = s.copy(), [g.snapshot() for g in self.groups], newton.total.copy()
+        acting = [*self.groups, *self.system.contacts]
+        saved = s.copy(), [a.snapshot() for a in acting], newton.total.copy()
         if self.integrator is not None:
             self.integrator.begin()
         while True:
@@ -410,11 +415,12 @@ class Run:
             g.begin_step(s)
 
     def _restore(self, saved: tuple, newton: Newton) -> None:
-        old, groups, total = saved
+        old, parts, total = saved
+        assert self.system is not None
         for name, value in vars(old.copy()).items():
             setattr(self.state, name, value)
-        for g, q in zip(self.groups, groups):
-            g.restore(q)
+        for a, q in zip([*self.groups, *self.system.contacts], parts):
+            a.restore(q)
         newton.total = total.copy()
 
     def _add(self, c: Counts) -> None:

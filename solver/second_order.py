@@ -30,6 +30,8 @@ def refusal(problem: Problem) -> str:
         return "steps of second order are for transient analyses of biphasic models"
     if problem.bodies:
         return "rigid bodies turn by steps of first order"
+    if any(s.contacts for s in [problem.common, *problem.steps]):
+        return "steps of second order do not follow surfaces in contact"
     for b in problem.blocks:
         if history.initial(b.solid, 1).shape[1]:
             return f"the material of part {b.name!r} has a memory, which is kept to first order only"

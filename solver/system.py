@@ -12,8 +12,8 @@ from .kernels.pattern import scatter_any
 from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import HELD, Equations, Pattern
-from .problem import DYNAMIC, STEADY, Prescribed, Problem, Step
+from .pattern import FREE, HELD, Equations, Pattern
+from .problem import DYNAMIC, STEADY, P, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
 from .tangent import Target, Workspace, add_chunk
@@ -45,6 +45,9 @@ class System:
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
         self._link()
         self.ties = self._tie()
+        self.contacts = [*problem.common.contacts, *step.contacts]
+        self.progress = Progress()
+        self.dry: NDArray[np.int64] | None = None  # equations of pressures that contact holds at zero
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -119,7 +122,8 @@ class System:
         )
         if self.bodies is not None and self.dynamic:
             return False  # rotational inertia is not
-        return own and not self.steady and all(getattr(q, "symmetric", True) for q in [*self.loads, *self.body_loads])
+        acting = [*self.loads, *self.body_loads, *self.contacts]
+        return own and not self.steady and all(getattr(q, "symmetric", True) for q in acting)
 
     @staticmethod
     def _fluid_symmetric(mixture: Any) -> bool:
@@ -140,12 +144,14 @@ class System:
 
     @property
     def pattern(self) -> Pattern:
-        if self._pattern is None:
-            cliques = [q for load in self.loads for q in load.cliques()]
-            if self.bodies is not None:
-                cliques += self.bodies.cliques()
-            self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
-            self._matrix = self._pattern.matrix()
+        if self._pattern is None or self.contacts:
+            met = [np.asarray(q, np.int32) for c in self.contacts for q in c.cliques()]
+            if self._pattern is None or not self._pattern.holds(met):
+                cliques = [*(q for load in self.loads for q in load.cliques()), *met]
+                if self.bodies is not None:
+                    cliques += self.bodies.cliques()
+                self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
+                self._matrix = self._pattern.matrix()
         return self._pattern
 
     @property
@@ -180,6 +186,7 @@ class System:
         """
         s = self.state
         self.spread(total + increment + u, s.d)
+        self._drain()
         given = self.eqs.kind == 2
         s.d[given] = target[given]
         if self.bodies is not None:
@@ -209,8 +216,13 @@ class System:
             self.bodies.rates(s, self)
 
     def update(self) -> None:
-        """Kinematics, stresses and fluxes at the present state."""
+        """Contacts, kinematics, stresses and fluxes at the present state."""
         s = self.state
+        for contact in self.contacts:
+            contact.update(s, self.progress)
+        if any(c.drains for c in self.contacts):
+            self._find_dry()
+            self._drain()
         u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.d_old[:, :3]
         drive = [b for b in self.body_loads if hasattr(b, "force")]
 
@@ -226,6 +238,23 @@ class System:
         if self.alphaf == 0.5 and s.dt > 0:
             for g in self.groups:
                 g.conserve(s.u, s.d_old[:, :3], s.dt)
+
+    def _find_dry(self) -> None:
+        """Free pressures of porous surfaces that touch nothing."""
+        dry = np.zeros(len(self.state.X), bool)
+        wet = np.zeros(len(self.state.X), bool)
+        for contact in self.contacts:
+            if contact.drains:
+                nodes, touching = contact.drained(self.state)
+                dry[nodes] = True
+                wet[touching] = True
+        dry &= ~wet & (self.eqs.kind[:, P] == FREE)
+        self.dry = self.eqs.eq[dry, P].astype(np.int64)
+        self._dry_nodes = np.flatnonzero(dry)
+
+    def _drain(self) -> None:
+        if self.dry is not None:
+            self.state.d[self._dry_nodes, P] = 0.0
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
@@ -247,12 +276,16 @@ class System:
             load.residual(s, total)
         for load in self.body_loads:
             load.residual(s, self.carriers, total)
+        for contact in self.contacts:
+            contact.residual(s, total)
         if self.dynamic:
             self._inertia(total)
         if self.ties is not None:
             self.ties.gather(s, total, self.alphaf)
         out = self.gather(total)
         out[self.eqs.given] = 0.0
+        if self.dry is not None:
+            out[self.dry] = 0.0
         return out
 
     def _inertia(self, total: Floats) -> None:
@@ -295,9 +328,25 @@ class System:
         for load in [*self.loads, *self.body_loads]:
             for K, nodes, columns in load.stiffness(self.state, self.carriers):
                 self._add(A, K, nodes, columns, step, Fd)
+        for contact in self.contacts:
+            for K, nodes, columns in contact.stiffness(self.state):
+                self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
             self._add_mass(A, step, Fd, self.alpham / (self.beta * self.state.dt**2))
+        if self.dry is not None:
+            self._uncouple(A, Fd)
         return A, Fd
+
+    def _uncouple(self, A: Matrix, Fd: Floats) -> None:
+        """Leave of the rows and columns of dry pressures the diagonal alone."""
+        assert self.dry is not None
+        dry = np.zeros(A.n, bool)
+        dry[self.eqs.free[self.dry]] = True
+        row = np.repeat(np.arange(A.n), np.diff(A.indptr))
+        A.data[(dry[row] | dry[A.indices]) & (row != A.indices)] = 0.0
+        at = dry[row] & (row == A.indices)
+        A.data[at] = np.where(A.data[at] == 0.0, -1.0, A.data[at])
+        Fd[self.dry] = 0.0
 
     def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:
         """Add matrices K (m, d, d) whose row k is unknown (nodes[:, k], columns[k])."""

@@ -48,6 +48,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
     bodies = rigid.make(ctx)
+    ctx.numbers = {b.name: k for k, b in enumerate(blocks)}
     common = Step()
     _fill(ctx, common, model.common)
     if model.discrete:
@@ -83,7 +84,7 @@ def _whole_sections(ctx: Context) -> None:
     if m.module not in ("solid", "biphasic"):
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
-        for c in (*step.contact, *step.constraints, *step.adaptors):
+        for c in (*step.constraints, *step.adaptors):
             if c.tag == "constraint" and c.type == "linear constraint":
                 continue
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
@@ -110,6 +111,10 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
             from . import ties
 
             (ties.constraint if c.tag == "bc" else ties.constraint_set)(ctx, out, c)
+    if spec.contact:
+        from .contact import contacts
+
+        out.contacts = contacts(ctx, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]

@@ -38,6 +38,7 @@ class Context:
         self.X = model.mesh.X  # nodes of the problem: the mesh's, then back nodes of shells
         self.rigid: dict[str, Body] = {}  # rigid bodies by the name of their material
         self.centres: list[np.ndarray] = []  # and their centres, by index
+        self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:

@@ -176,5 +176,19 @@ def interpolated(nodal: Floats, g: Group) -> Floats:
     return np.asarray(np.einsum("a,eac->ec", g.N.mean(axis=0), nodal[g.conn]))
 
 
+# facet values of surfaces in contact, by what a contact calls them
+SURFACE: dict[str, str] = {"contact gap": "gap", "contact pressure": "pressure", "contact traction": "traction"}
+
+
+def on_surfaces(run: Run, name: str) -> dict[str, Floats]:
+    """Facet values by the name of the surface, of all contacts that act."""
+    out: dict[str, Floats] = {}
+    for contact in run.system.contacts if run.system is not None else ():
+        values = contact.on_facets(SURFACE[name], run.state)
+        for surface, v in zip(contact.names, values or (), strict=False):
+            out.setdefault(surface, v)
+    return out
+
+
 def known(name: str) -> bool:
-    return any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED))
+    return any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE))

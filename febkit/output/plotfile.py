@@ -72,6 +72,9 @@ class PlotListener(Listener):
     def _values(self, run: Run, name: str) -> Any:
         if VARIABLES[name].section == "node":
             return {0: np.asarray(fields.NODAL[name](run)[: len(self.mesh.X)], np.float32)}
+        if name in fields.SURFACE:
+            at = {s.name: k + 1 for k, s in enumerate(self.mesh.surfaces)}
+            return {at[s]: v.astype(np.float32) for s, v in fields.on_surfaces(run, name).items()}
         out: dict[int, Any] = {}
         nodal = fields.DOMAIN_NODAL.get(name)
         groups = {g.block.name: g for g in run.groups}

@@ -103,6 +103,28 @@ def pair_offsets(first, nbr, tail, conn, back):
 
 
 @kernel
+def holds(first, nbr, conn, upper):
+    """Are all pairs of nodes of each row of conn (m, n; -1 for none) neighbours? ``upper``: only later ones are."""
+    for e in range(conn.shape[0]):
+        for i in range(conn.shape[1]):
+            a = conn[e, i]
+            for j in range(conn.shape[1]):
+                b = conn[e, j]
+                if a < 0 or b < 0 or (upper and b < a):
+                    continue
+                lo, hi = first[a], first[a + 1]
+                while lo < hi:
+                    mid = (lo + hi) >> 1
+                    if nbr[mid] < b:
+                        lo = mid + 1
+                    else:
+                        hi = mid
+                if lo == first[a + 1] or nbr[lo] != b:
+                    return False
+    return True
+
+
+@kernel
 def scatter(lo, hi, K, conn, back, row, given, lead, indptr, data, step, Fd, upper):
     """Add element matrices K (hi - lo, c n, c n), component-major, of elements lo:hi; see :func:`scatter_upper`."""
     n = conn.shape[1]

@@ -16,7 +16,7 @@ def lists() -> str:
     from febkit.lower.materials import UNPROVEN
     from febkit.lower.rigid import READERS as RIGID
     from febkit.lower.ties import LAWS
-    from febkit.solver import elements, loads, permeabilities, supplies
+    from febkit.solver import contact, elements, loads, permeabilities, supplies
     from febkit.solver.solids.registry import tables
 
     rows = {
@@ -25,6 +25,7 @@ def lists() -> str:
         "solvent supplies": sorted(supplies.TYPES),
         "loads": sorted(loads.TYPES),
         "boundary conditions": sorted([*READERS, "linear constraint", "rigid"]),
+        "contact": sorted(contact.TYPES),
         "rigid bodies": sorted({kind for _, kind in RIGID} | set(KINDS)),
         "springs": sorted(LAWS),
         "elements": list(elements.VOLUMES),

@@ -1,0 +1,204 @@
+"""<Contact> to the solver's contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from febkit.model import Component, InputError
+from febkit.solver import contact as records
+from febkit.solver import elements
+
+from . import shells
+from .context import Context
+
+Reader = Callable[[Context, Component], Any]
+
+
+def _laugon(ctx: Context, leaf: Component) -> bool:
+    name = leaf.text.strip().upper()
+    if name not in ("PENALTY", "AUGLAG", "0", "1"):
+        ctx.refuse(f"<laugon>{leaf.text.strip()}</laugon>", leaf.where)
+    return name in ("AUGLAG", "1")
+
+
+NUMBER: Reader = lambda ctx, leaf: leaf.as_float()  # noqa: E731
+WHOLE: Reader = lambda ctx, leaf: leaf.as_int()  # noqa: E731
+FLAG: Reader = lambda ctx, leaf: leaf.as_bool()  # noqa: E731
+CURVE: Reader = lambda ctx, leaf: ctx.value(leaf)  # noqa: E731
+
+COMMON: dict[str, Reader] = {
+    "laugon": _laugon, "tolerance": NUMBER, "penalty": CURVE, "minaug": WHOLE, "maxaug": WHOLE,
+}  # fmt: skip
+NORMAL: dict[str, Reader] = {
+    **COMMON, "gaptol": NUMBER, "auto_penalty": FLAG, "two_pass": FLAG, "knmult": NUMBER, "search_tol": NUMBER,
+    "search_radius": NUMBER,
+}  # fmt: skip
+PARAMETERS: dict[str, dict[str, Reader]] = {
+    "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
+    "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
+    "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
+    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "sliding-biphasic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
+    "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
+    "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
+}
+# parameters that change nothing where they are 0, and are refused where they are not
+UNUSED = frozenset({"node_reloc", "smooth_aug"})
+# what is read elsewhere, or has no effect: penalties of bodies at rest need no update, and without friction its
+# parameters say nothing
+READ = frozenset({
+    "update_penalty", "flip_primary", "flip_secondary", "shell_bottom_primary", "shell_bottom_secondary",
+    "offset_shells", "symmetric_stiffness", "fric_penalty", "ktmult", "contact_frac", "smooth_fls",
+})  # fmt: skip
+
+
+def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
+    """Contacts in file order."""
+    out = []
+    for c in specs:
+        if c.tag != "contact" or c.type not in PARAMETERS or not records.known(c.type):
+            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+            continue
+        if "biphasic" in c.type and not any(m.type == "biphasic" for m in ctx.model.materials):
+            ctx.refuse(f'<{c.tag} type="{c.type}"> in a model without fluid', c.where)
+            continue
+        out.append(_contact(ctx, c))
+    return out
+
+
+def _contact(ctx: Context, c: Component) -> Any:
+    table = PARAMETERS[c.type or ""]
+    known = set(table) | UNUSED | READ | {"fric_coeff"}
+    ctx.check_tags(c, known)
+    kw: dict[str, Any] = {}
+    for leaf in c:
+        if leaf.tag in UNUSED and leaf.as_float() != 0.0:
+            ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
+        if leaf.tag in table:
+            kw[leaf.tag] = table[leaf.tag](ctx, leaf)
+    friction = _friction(ctx, c)
+    if friction:
+        kw["fric_coeff"] = friction
+        if c.type == "sliding-node-on-facet":
+            kw["fric_penalty"] = c.float("fric_penalty", 0.0)
+    offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
+    first, second = _pair(ctx, c)
+    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
+    kw["names"] = first, second
+    kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
+    kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
+    return records.load(c.type or "", bool(friction))(**kw)
+
+
+def _friction(ctx: Context, c: Component) -> float:
+    """Coefficient of friction, refused where the solver has none or together with tension."""
+    leaf = c.child("fric_coeff")
+    nodal = c.type == "sliding-node-on-facet"  # where FEBio has friction only if it has a penalty, too
+    if leaf is None or leaf.as_float() == 0.0 or (nodal and c.float("fric_penalty", 0.0) == 0.0):
+        return 0.0
+    if nodal and c.float("ktmult", 0.0) != 0.0:
+        ctx.refuse(f'<ktmult> of <contact type="{c.type}">', c.need("ktmult").where)
+    if c.type not in records.FRICTION:
+        ctx.refuse(f'<fric_coeff> of <contact type="{c.type}">', leaf.where)
+        return 0.0
+    if c.bool("tension"):
+        raise InputError("<tension> and <fric_coeff> exclude each other", leaf.where)
+    return leaf.as_float()
+
+
+def _pair(ctx: Context, c: Component) -> tuple[str, str]:
+    name = c.attrs.get("surface_pair", "")
+    pair = ctx.model.mesh.surface_pairs.get(name)
+    if pair is None:
+        raise InputError(f'there is no surface pair "{name}"', c.where)
+    for s in (pair.primary, pair.secondary):
+        if s not in ctx.model.mesh.surfaces:
+            raise InputError(f'there is no surface "{s}"', pair.where)
+    return pair.primary, pair.secondary
+
+
+def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, offset: bool) -> Any:
+    from febkit.solver.contact.surface import NODAL, Facets
+
+    conn = dict(ctx.model.mesh.surfaces[name].facets)
+    nodal = "node-on-facet" in (c.type or "")
+    for kind in conn:
+        if kind not in elements.FACETS or (nodal and kind not in NODAL):
+            ctx.refuse(f'<contact type="{c.type}"> on {kind} facets', c.where)
+    out = Facets(conn)
+    if ctx.refused:
+        return out
+    if penalty:
+        _owners(ctx, out)
+    if offset:
+        out.offset = _half_thickness(ctx)
+    if c.bool(f"shell_bottom_{which}"):
+        out.conn = {k: ctx.back[v] for k, v in conn.items()}
+        if any((v < 0).any() for v in out.conn.values()):
+            raise InputError(f'<shell_bottom_{which}>: a facet of "{name}" is no shell', c.where)
+        out = out.inverted()
+    return out.inverted() if c.bool(f"flip_{which}") else out
+
+
+def _half_thickness(ctx: Context) -> np.ndarray:
+    """Half the thickness of shells at the nodes (node,), the last element of a node counting."""
+    out = np.zeros(len(ctx.X))
+    for d in ctx.model.domains:
+        if d.kind == "shell" and d.block in ctx.blocks:
+            conn = ctx.blocks[d.block].conn
+            out[conn.ravel()] = 0.5 * shells.thickness(ctx, d).ravel()
+    return out
+
+
+# ---- elements behind facets ---------------------------------------------------------------------------
+def _corners(kind: str) -> int:
+    return 4 if kind.startswith("quad") else 3
+
+
+def _owners(ctx: Context, out: Any) -> None:
+    """Find the element behind each facet: a shell where there is one, else the first in the order of <MeshDomains>."""
+    wanted: dict[tuple[str, tuple[int, ...]], list[int]] = {}
+    for kind, conn in out.conn.items():
+        out.owner[kind] = np.full((len(conn), 2), -1)
+        out.modulus[kind] = np.zeros(len(conn))
+        for row, nodes in enumerate(conn[:, : _corners(kind)].tolist()):
+            wanted.setdefault((kind, tuple(sorted(nodes))), []).append(row)
+    nodes = np.unique(np.concatenate([c.ravel() for c in out.conn.values()]))
+    on = np.zeros(len(ctx.X), bool)
+    on[nodes] = True
+    rigid = {m.name: m for m in ctx.model.materials if m.type == "rigid body"}
+    for d in sorted(ctx.model.domains, key=lambda d: d.kind != "shell"):
+        block = ctx.blocks.get(d.block)
+        if block is None:
+            continue
+        for kind, local in _faces(block.type, d.kind):
+            face = block.conn[:, list(local[: _corners(kind)])]
+            for row in np.flatnonzero(on[face].all(axis=1)).tolist():
+                for k in wanted.pop((kind, tuple(sorted(face[row].tolist()))), ()):
+                    if d.material in rigid:
+                        out.modulus[kind][k] = _rigid(ctx, rigid[d.material], block, row, kind, out.conn[kind][k])
+                    else:
+                        out.owner[kind][k] = ctx.numbers.get(d.block, -1), row
+
+
+def _faces(element: str, kind: str) -> list[tuple[str, tuple[int, ...]]]:
+    """Facets of an element type: type and local nodes."""
+    if kind == "shell":
+        return [(element, tuple(range(elements.shape(element).corners)))]
+    return list(elements.shape(element).facets)
+
+
+def _rigid(ctx: Context, spec: Component, block: Any, row: int, kind: str, facet: np.ndarray) -> float:
+    """E / (1 - nu^2) A / V of an element of a rigid body."""
+    X, nu = ctx.model.mesh.X, spec.float("v", 0.0)
+    e, f = elements.get(block.type), elements.get(kind)
+    if e.dim != 3:
+        return 0.0
+    J = np.linalg.det(np.einsum("gai,aj->gij", e.dN, X[block.conn[row]]))
+    t = np.einsum("gaj,ai->gji", f.dN, X[facet])
+    A = (np.linalg.norm(np.cross(t[:, 0], t[:, 1]), axis=1) * f.weights).sum()
+    return float(spec.float("E", 0.0) / (1.0 - nu * nu) * A / (J * e.weights).sum())

@@ -1,0 +1,46 @@
+"""Contact by FEBio's type names; a file is read when its type is first asked for.
+
+What a contact is to the solver is said in :mod:`.base`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+TYPES = {
+    "tied-node-on-facet": "tied_node",
+    "tied-facet-on-facet": "tied_facet",
+    "tied-elastic": "tied_elastic",
+    "tied-biphasic": "tied_biphasic",
+    "sliding-elastic": "sliding_elastic",
+    "sliding-biphasic": "sliding_biphasic",
+    "sliding-node-on-facet": "node_on_facet",
+    "sliding-facet-on-facet": "facet_on_facet",
+}
+FRICTION = {  # the names of types with friction
+    "sliding-elastic": "sliding-elastic with friction",
+    "sliding-node-on-facet": "sliding-node-on-facet with friction",
+}
+FILES = {
+    **TYPES,
+    "sliding-elastic with friction": "sliding_friction",
+    "sliding-node-on-facet with friction": "node_friction",
+}
+_classes: dict[str, Any] = {}
+
+
+def register(cls: Any, *febio_types: str) -> None:
+    """Make a class known by FEBio's type names; the last line of a contact's file."""
+    _classes.update(dict.fromkeys(febio_types, cls))
+
+
+def known(febio_type: str) -> bool:
+    return febio_type in TYPES
+
+
+def load(febio_type: str, friction: bool = False) -> Any:
+    """The class of a contact type, with friction where it is asked for; KeyError where there is none."""
+    name = FRICTION[febio_type] if friction else febio_type
+    import_module(f"{__name__}.{FILES[name]}")
+    return _classes[name]

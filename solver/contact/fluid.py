@@ -1,0 +1,52 @@
+"""What biphasic contacts share: which facets are porous, pressures on both sides, and the flow between them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels import contact_flow as kernels
+from .base import Side
+from .surface import Floats, Ints, Surface
+
+if TYPE_CHECKING:
+    from ..group import Group
+    from ..state import State
+
+
+def porous(surface: Surface, groups: list[Group]) -> NDArray[np.bool_]:
+    """Does the element behind each facet (f,) hold fluid?"""
+    out = np.zeros(len(surface.conn), bool)
+    wet = np.array([g.block.mixture is not None for g in groups] + [False])
+    for kind, rows in surface.kinds:
+        if kind in surface.given.owner:
+            out[rows] = wet[surface.given.owner[kind][:, 0]]
+    return out
+
+
+def pressures(s: Side, state: State) -> tuple[Floats, Floats]:
+    """Fluid pressures (q,) at the points and at their partners."""
+    p = state.d[:, 3]
+    own = (s.N * p[np.maximum(s.conn, 0)][s.facet]).sum(axis=1)
+    other = (s.M * p[np.maximum(s.other.conn, 0)][s.partner]).sum(axis=1)
+    return own, np.where(s.partner >= 0, other, 0.0)
+
+
+def both(s: Side, here: NDArray[np.bool_], there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Points (q,) where both facets are porous."""
+    return here[s.facet] & there[s.partner] & (s.partner >= 0)
+
+
+def spread(s: Side, f: Floats, R: Floats) -> None:
+    """Add f (q,) to the rows of the pressures, primary nodes gaining what secondary ones lose."""
+    o = s.other
+    kernels.spread(s.conn, s.count, s.facet, s.N, o.conn, o.count, s.partner, s.M, f, R)
+
+
+def unknowns(nodes: Ints) -> tuple[Floats, Ints, Ints]:
+    """Zero matrices over the displacements of ``nodes`` (m, n), node by node, and then their pressures."""
+    m, n = nodes.shape
+    columns = np.concatenate([np.tile(np.arange(3), n), np.full(n, 3)])
+    return np.zeros((m, 4 * n, 4 * n)), np.hstack([np.repeat(nodes, 3, axis=1), nodes]), columns

@@ -1,0 +1,179 @@
+"""Biphasic surfaces that slide on each other: fluid passes where they touch, and drains freely where they do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from .. import elements
+from ..kernels import contact as contact_kernels
+from ..kernels import contact_flow, ray
+from ..kernels import sliding_elastic as kernels
+from . import fluid, register
+from .base import Floats, Ints, Matrices, Progress, Side
+from .penalty import conductance
+from .sliding_elastic import SlidingElastic, SlidingPoints
+from .surface import Surface
+
+if TYPE_CHECKING:
+    from ..group import Group
+    from ..state import State
+
+
+class SlidingFluid(SlidingPoints):
+    """At integration points besides: pressure difference, multiplier of the flow; ``wet`` (f,) porous facets."""
+
+    memory = (*SlidingPoints.memory, "flow", "conductance")
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*args)
+        self.flow, self.step, self.conductance = np.zeros(self.n), np.zeros(self.n), np.ones(self.n)
+        self.wet = np.zeros(len(self.surface.conn), bool)
+
+
+@dataclass(eq=False)
+class SlidingBiphasic(SlidingElastic):
+    """As :class:`~.sliding_elastic.SlidingElastic`, with a flow L + eps_p (p1 - p2) between porous facets in contact.
+
+    Nodes of porous surfaces that are not in contact have no fluid pressure. Ateshian et al., J. Biomech. Eng. 132
+    (2010) 061006; FEBio User Manual, "Sliding-Biphasic".
+    """
+
+    pressure_penalty: float = 1.0
+    ptol: float = 0.0
+    side: ClassVar[type[Side]] = SlidingFluid
+    drains: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.knmult = 1  # FEBio has no other tangent here
+
+    def activate(self, state: State, groups: list[Group]) -> None:
+        self.open(state)
+        for s in self.sides:
+            assert isinstance(s, SlidingFluid)
+            s.wet = fluid.porous(s.surface, groups)
+            if self.auto_penalty:
+                s.conductance = conductance(s.surface, groups)[s.facet]
+        super().activate(state, groups)
+
+    def update(self, state: State, progress: Progress) -> None:
+        super().update(state, progress)
+        a, b = self.sides
+        assert isinstance(a, SlidingFluid) and isinstance(b, SlidingFluid)
+        for s, o in ((a, b), (b, a)):
+            open_ = fluid.both(s, s.wet, o.wet)
+            p1, p2 = fluid.pressures(s, state)
+            s.step = np.where(open_, p1 - p2, 0.0)
+            s.flow = np.where(open_, s.flow, 0.0)
+
+    def flows(self, s: Side, state: State) -> tuple[Floats, Floats]:
+        """wn and eps_p (q,), zero where no fluid passes."""
+        a, b = self.sides
+        assert isinstance(a, SlidingFluid) and isinstance(b, SlidingFluid) and isinstance(s, SlidingFluid)
+        o = b if s is a else a
+        passes = fluid.both(s, s.wet, o.wet) & (self.pressure(s, state) > 0.0)
+        eps = np.where(passes, self.pressure_penalty * s.conductance, 0.0)
+        return np.where(passes, s.flow, 0.0) + eps * s.step, eps
+
+    def residual(self, state: State, R: Floats) -> None:
+        super().residual(state, R)
+        for s in self.passes:
+            fluid.spread(s, state.dt * self.flows(s, state)[0] * s.detJ * s.surface.weight, R)
+
+    def stiffness(self, state: State) -> Matrices:
+        out = []
+        pressure = np.ascontiguousarray(state.d[:, 3])
+        for s in self.passes:
+            assert isinstance(s, SlidingFluid)
+            p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
+            wn, eps_p = self.flows(s, state)
+            for rows, a, b, nodes in s.pairs(p != 0.0):
+                K, unknowns, columns = fluid.unknowns(nodes)
+                kernels.stiffness(
+                    w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
+                    s.normals, s.gap, eps, p, 1.0, K,
+                )  # fmt: skip
+                contact_flow.sliding(
+                    w.T, state.x, pressure, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
+                    w.weight, s.normals, s.gap, wn, eps_p, state.dt, K,
+                )  # fmt: skip
+                out.append((K, unknowns, columns))
+        return out
+
+    def augment(self, done: int, state: State) -> bool:
+        """As sliding contact, the flow's multiplier too; pressure differences over tractions are small at the end."""
+        if not self.laugon:
+            return True
+        steps = traction = worst = 0.0
+        for s in self.sides:
+            assert isinstance(s, SlidingFluid)
+            new = s.multiplier + self.stiffnesses(s, state) * s.gap
+            touching = (new > 0.0) & s.wet.any()
+            s.flow = np.where(touching, s.flow + self.pressure_penalty * s.conductance * s.step, 0.0)
+            steps += float((s.step[touching] ** 2).sum())
+            worst = max(worst, float(np.abs(s.step[touching]).max(initial=0.0)))
+            traction += float((np.maximum(new, 0.0) ** 2).sum())
+        loose = 0 < self.tolerance < steps / (traction or 1.0)
+        loose = loose or (0 < self.ptol < worst and all(s.wet.any() for s in self.sides))  # type: ignore[attr-defined]
+        if self.tolerance <= 0.0 and self.gaptol <= 0.0 and self.ptol <= 0.0:
+            return done >= self.minaug
+        good = super().augment(done, state)
+        return (good and not loose) or done >= self.maxaug
+
+    # ---- free draining ----------------------------------------------------------------------------
+    def drained(self, state: State) -> tuple[Ints, Ints]:
+        """Nodes of porous surfaces, and those of them that are in contact."""
+        nodes, touching = [], []
+        for s in self.sides:
+            assert isinstance(s, SlidingFluid)
+            if s.wet.any():
+                nodes.append(s.surface.nodes)
+        for s in self.passes:
+            p = self._nodal_pressure(s, state)
+            touching.append(s.surface.nodes[p > 0.0])
+            o = next(q for q in self.sides if q is not s)
+            assert isinstance(o, SlidingFluid)
+            if o.wet.any():
+                touching.append(o.surface.nodes[self._met(s.surface, o.surface, p, state) > 0.0])
+        return (np.concatenate(q) if q else np.zeros(0, np.int64) for q in (nodes, touching))  # type: ignore[return-value]
+
+    def _nodal_pressure(self, s: Side, state: State) -> Floats:
+        """Mean pressure over the facets around each node (m,) that bear any."""
+        w, mean = s.surface, s.surface.means(self.net_pressure(s, state), False)
+        use = (w.local >= 0) & (mean > 0.0)[:, None]
+        count = np.bincount(w.local[use], minlength=len(w.nodes))
+        total = np.bincount(w.local[use], np.broadcast_to(mean[:, None], use.shape)[use], len(w.nodes))
+        return np.asarray(total / np.maximum(count, 1))
+
+    def _met(self, primary: Surface, other: Surface, p: Floats, state: State) -> Floats:
+        """Pressure of the primary surface where the normals of the other's nodes meet it (0 elsewhere)."""
+        x, n = state.x, len(other.nodes)
+        partner, rs = np.full(n, -1), np.zeros((n, 2))
+        primary.facet_tree.fit(x, 2 * self.search_tol)
+        ray.find(
+            primary.T, x, primary.conn, primary.count, primary.facet_tree.order, primary.facet_tree.boxes,
+            x[other.nodes], _node_normals(other, x), self.search_tol, self.search_radius, False, False, True, partner,
+            rs,
+        )  # fmt: skip
+        M, place = np.zeros((n, 9)), np.zeros((n, 3))
+        contact_kernels.partners(primary.T, x, primary.conn, primary.count, partner, rs, M, place)
+        value = (M * np.where(primary.local >= 0, p[primary.local], 0.0)[partner]).sum(axis=1)
+        return np.where(partner >= 0, value, 0.0)
+
+
+def _node_normals(s: Surface, x: Floats) -> Floats:
+    """Unit normals (m, 3) at the nodes: means over the facets' corners."""
+    out = np.zeros((len(s.nodes), 3))
+    for kind, rows in s.kinds:
+        n = elements.get(kind).nodes
+        y = x[s.conn[rows, :n]]
+        turn = np.cross(np.roll(y, -1, axis=1) - y, np.roll(y, 1, axis=1) - y)
+        np.add.at(out, s.local[rows, :n], turn)
+    size = np.linalg.norm(out, axis=1)[:, None]
+    return np.asarray(out / np.where(size > 0.0, size, 1.0))
+
+
+register(SlidingBiphasic, "sliding-biphasic")

@@ -1,0 +1,74 @@
+"""<Contact>: what is read, what is refused by name and place."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from febkit.lower import lower, unsupported
+from febkit.model import InputError
+
+sys.path.insert(0, str(Path(__file__).parent))
+import cube
+
+MATERIAL = '<material id="1" name="m" type="neo-Hookean"><density>1</density><E>2</E><v>0.3</v></material>'
+
+
+def content(contact: str, pair: str = "faces") -> str:
+    text = cube.text(MATERIAL, more=f"<Contact>{contact}</Contact>")
+    sides = (
+        '<Surface name="below"><quad4 id="1">1,4,3,2</quad4></Surface>'
+        '<Surface name="above"><quad4 id="1">5,6,7,8</quad4></Surface>'
+        f'<SurfacePair name="{pair}"><primary>above</primary><secondary>below</secondary></SurfacePair>'
+    )
+    return text.replace("</Mesh>", f"{sides}</Mesh>")
+
+
+def made(folder: Path, inside: str, kind: str = "sliding-elastic") -> Any:
+    contact = f'<contact type="{kind}" surface_pair="faces">{inside}</contact>'
+    return lower(cube.read(folder, content(contact))).common.contacts[0]
+
+
+def test_parameters_reach_the_solver(tmp_path: Path) -> None:
+    c = made(
+        tmp_path,
+        "<laugon>AUGLAG</laugon><penalty>7</penalty><two_pass>1</two_pass><gaptol>0.1</gaptol><tolerance>0.3</tolerance>"
+        "<search_radius>2</search_radius><tension>1</tension><auto_penalty>1</auto_penalty><maxaug>4</maxaug>",
+    )
+    assert (c.laugon, c.two_pass, c.gaptol, c.tolerance, c.search_radius) == (True, True, 0.1, 0.3, 2.0)
+    assert (c.tension, c.auto_penalty, c.maxaug, c.minaug) == (True, True, 4, 0)
+    assert c.primary.owner["quad4"].tolist() == [[0, 0]]
+    assert c.penalty(0.0, None, [0])[0] == 7.0
+
+
+def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
+    plain = made(tmp_path, "").primary.conn["quad4"][0].tolist()
+    turned = made(tmp_path, "<flip_primary>1</flip_primary>").primary.conn["quad4"][0].tolist()
+    assert turned == [plain[0], plain[3], plain[2], plain[1]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "inside", "said"),
+    [
+        ("sticky", "", 'contact type="sticky"'),
+        ("tied-node-on-facet", "<laugon>LAGMULT</laugon>", "LAGMULT"),
+        ("sliding-elastic", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
+        ("sliding-elastic", "<node_reloc>1</node_reloc>", "<node_reloc>"),
+        ("sliding-elastic", "<strange>1</strange>", "<strange>"),
+        ("sliding-biphasic", "", "without fluid"),
+    ],
+)
+def test_what_is_lacking_is_refused_by_name(tmp_path: Path, kind: str, inside: str, said: str) -> None:
+    contact = f'<contact type="{kind}" surface_pair="faces">{inside}</contact>'
+    found = unsupported(cube.read(tmp_path, content(contact)))
+    assert len(found) == 1
+    assert said in found[0].message
+    assert found[0].where is not None and found[0].where.line > 0
+
+
+def test_an_unknown_pair_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="surface pair"):
+        lower(cube.read(tmp_path, content('<contact type="sliding-elastic" surface_pair="faces"/>', "others")))
