@@ -14,7 +14,8 @@ steps of the study and shorter ones. Prints a Markdown row for each tissue, case
 - error: RMS difference to the control over the cells, over the control's largest rate;
 - rho: Spearman's rank correlation with the control over the cells;
 - by place: correlation over the cells of the error with -grad dJ/dt . X, X the cell's middle (order 2 of the solid).
-  Near 1, the error is what the hand-off's own change of volume drives out on one side of the point and in on the other.
+  Near 1, the error is what the hand-off's own change of volume drives out on one side of the point and in on the other;
+- added: the same correlation of what order 2 adds to order 1 of its recovery.
 """
 
 from __future__ import annotations
@@ -71,7 +72,11 @@ def rows(plan: Plan) -> Iterator[tuple[str, str, str, tuple[float, ...]]]:
                 error = float(np.sqrt(np.mean((b - a) ** 2)) / np.abs(a).max())
                 x = found[place]["centroid"].isel(time=0).values @ -slope
                 along = float(np.corrcoef(b - a, x)[0, 1]) if np.ptp(x) > 0 else np.nan
-                each.append((float(np.median(b) / np.median(a)), lost, error, rho, along))
+                first = found.get(place._replace(method=f"1{m.name[len(m.name.partition(' ')[0]) :]}"))
+                added = np.nan
+                if first is not None and np.ptp(x) > 0:
+                    added = float(np.corrcoef(b - first["mass_exchange_rate"].isel(time=-1).values, x)[0, 1])
+                each.append((float(np.median(b) / np.median(a)), lost, error, rho, along, added))
             if not each:
                 continue
             order, _, recovery = m.name.partition(" ")
@@ -92,6 +97,7 @@ def main() -> None:
     shared = [f"cases={json.dumps(a.cases)}", f"methods={json.dumps(a.methods)}", TIMES, f"cell.seed={a.seeds}",
               f"folder={json.dumps(str(a.folder.resolve()))}"]  # fmt: skip
     head = ["tissue", "case", "recovery", "order", "dJ/dt", "slope", "median", "balance", "error", "rho", "by place"]
+    head.append("added")
     print(f"| {' | '.join(head)} |\n" + "|---" * len(head) + "|")
     for name in a.only:
         plan = study.make_plan(study.read(REDUCED, [*shared, *VARIANTS[name]]))
