@@ -234,7 +234,7 @@ class Run:
             from .storage import layout
 
             known = layout(self.system)
-        return choose(name, len(self.system.eqs.rows), self.team.n, single, known)
+        return choose(name, len(self.system.eqs.rows), self.team.n, single, known, self.system.mixed)
 
     def _in_its_place(self, need: float, left: float) -> LinearSolver:
         try:
@@ -382,7 +382,8 @@ class Run:
         step = self.stepper
         if _hopeless(e) or not isinstance(step, AutoSteps) or not step.retries:
             return ""
-        return f", after {step.retries} retries down to a step of {step.dt:g}"
+        how = "halvings by guarded Newton steps beyond the file's retries," if step.beyond else "retries"
+        return f", after {step.retries} {how} down to a step of {step.dt:g}"
 
     def _attempt(self, newton: Newton) -> tuple[Counts, bool]:
         """Solve the step to the present time; was its error small enough?"""

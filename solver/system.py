@@ -143,6 +143,11 @@ class System:
         return af, am, (1 + am - af) ** 2 / 4, 0.5 + am - af
 
     @property
+    def mixed(self) -> bool:
+        """Are there pressures or penalties, so that pivots of very different size are sound?"""
+        return self.problem.biphasic or bool(self.augmented or self.contacts)
+
+    @property
     def pattern(self) -> Pattern:
         if self._pattern is None or self.contacts:
             met = [np.asarray(q, np.int32) for c in self.contacts for q in c.cliques()]

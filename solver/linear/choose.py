@@ -8,11 +8,13 @@ DENSE_LIMIT = 250  # equations below which loading MKL costs more than all dense
 PARALLEL = 3000  # equations below which threads cost a factorisation more than they save, most of all on a busy machine
 
 
-def choose(name: str, equations: int, threads: int, single: bool = False, layout: Layout | None = None) -> LinearSolver:
+def choose(
+    name: str, equations: int, threads: int, single: bool = False, layout: Layout | None = None, mixed: bool = False
+) -> LinearSolver:
     """``auto``: dense LU up to 250 equations, else MKL PARDISO, else SuperLU. Others force one.
 
     ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
-    ``layout``: what "iterative" builds its blocks from.
+    ``mixed``: there are pressures or penalties. ``layout``: what "iterative" builds its blocks from.
     """
     if name == "iterative" and layout is not None:
         from .iterative import Iterative
@@ -25,7 +27,7 @@ def choose(name: str, equations: int, threads: int, single: bool = False, layout
     from .pardiso import Pardiso, library
 
     if name == "pardiso" or (name == "auto" and library() is not None):
-        return Pardiso(threads if equations >= PARALLEL else 1, single)
+        return Pardiso(threads if equations >= PARALLEL else 1, single, mixed)
     if name in ("auto", "superlu"):
         from .superlu import SuperLU
 

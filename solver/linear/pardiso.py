@@ -48,9 +48,12 @@ def library() -> ctypes.CDLL | None:
 
 
 class Pardiso:
-    """Direct solver. ``single`` keeps the factor in single precision (as a preconditioner)."""
+    """Direct solver. ``single`` keeps the factor in single precision (as a preconditioner).
 
-    def __init__(self, threads: int = 0, single: bool = False) -> None:
+    ``mixed``: displacements and pressures, or penalties, whose pivots differ by many orders of magnitude.
+    """
+
+    def __init__(self, threads: int = 0, single: bool = False, mixed: bool = False) -> None:
         lib = library()
         if lib is None:
             raise LinearError("MKL is not installed")
@@ -58,7 +61,7 @@ class Pardiso:
         if threads:
             lib.MKL_Set_Num_Threads(ctypes.c_int(threads))
         self.name = "MKL PARDISO"
-        self.single = single
+        self.single, self.mixed = single, mixed
         self.stats: dict[str, float] = {}
         self._pt = np.zeros(64, np.int64)
         self._iparm = np.zeros(64, np.int32)
@@ -92,7 +95,8 @@ class Pardiso:
         ip[0] = 1  # own settings below
         ip[1] = 3 if A.n > 20000 else 2  # nested dissection (parallel for large graphs)
         ip[7] = 0  # no iterative refinement: Newton corrects
-        ip[9] = 13  # pivots below 1e-13 |A| are perturbed: those of small elements are 1e-8 |A| and sound
+        # pivots below 1e-8 |A| are perturbed as FEBio has it, or 1e-13: pressures of small elements have sound ones
+        ip[9] = 8 if A.symmetric and not self.mixed else 13
         ip[10] = 0 if A.symmetric else 1  # scaling
         ip[12] = 0 if A.symmetric else 1  # matching: quasi-definite matrices need none
         ip[17] = -1  # report factor entries

@@ -82,7 +82,7 @@ def factor_memory(model: Path) -> None:
     full = Matrix(both.indptr.astype(np.int32), both.indices.astype(np.int32), both.data, False)
     found = {}
     for name, matrix in (("LDL^T", A), ("LU", full)):
-        solver = Pardiso(2)
+        solver = Pardiso(2, mixed=True)
         start = time.perf_counter()
         solver.factor(matrix)
         analysis = time.perf_counter() - start

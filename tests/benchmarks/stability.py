@@ -135,6 +135,27 @@ def jump(method: str) -> Outcome:
     return Outcome(r, 1.0 - _volume(p, r), "height of the flattest element lost", 0.999)
 
 
+def thin(dt: float) -> Problem:
+    """A confined block pressed by 10 % in 0.1 s through a layer drained on top whose elements are 1/400 thick, fixed
+    steps: FEBio's loop turns them inside out, as the face moves by several of them in a step."""
+    X, conn = scenes.grid((2, 2, 16))
+    X[:, 2] = 1 - np.expm1(5.0 * (1 - X[:, 2])) / np.expm1(5.0)
+    X[:, :2] *= 0.2
+    top = np.flatnonzero(X[:, 2] > 1 - 1e-9)
+    held: list[Any] = [Fixed(c, np.flatnonzero(np.abs(X[:, c] - 0.1) > 0.1 - 1e-9)) for c in (UX, UY)]
+    conditions = [
+        *held, Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Fixed(P, top), Prescribed(UZ, top, scenes.ramp(-0.1, 0.1))
+    ]
+    step = Step(analysis=TRANSIENT, dt=dt, count=round(0.2 / dt), conditions=conditions)
+    return Problem(X, [scenes.block("hex8", conn, NeoHookean(E=1.0, v=0.125), Mixture(ConstIso(0.002)))], [step])
+
+
+def pushed(dt: float) -> Outcome:
+    a, b = (run(thin(q), options=Options(threads=1)) for q in (dt, 5e-4))
+    d = np.linalg.norm(a.state.u - b.state.u) / np.linalg.norm(b.state.u)
+    return Outcome(a, float(d), "distance from steps of 0.5 ms", 2.0 * dt)
+
+
 def drained(v: float) -> Outcome:
     """Slow compression by 1e-4: the reaction against E strain area (unconfined)."""
     p = cube(v=v, k=1e3, strain=1e-4, n=3)
@@ -210,6 +231,8 @@ for _g in (1e2, 1e4):
     SCENES[f"mesh graded 1 : {_g:g}, 30 %"] = lambda g=_g: compressed(strain=0.3, grade=g)
 for _method in ("BFGS", "full Newton"):
     SCENES[f"steps of 4 ms, then 0.1 s after the ramp, {_method}"] = lambda m=_method: jump(m)
+for _dt in (0.02, 0.005):
+    SCENES[f"elements thinner than a step, {_dt * 1e3:g} ms"] = lambda dt=_dt: pushed(dt)
 for _steps in (9, 1):
     SCENES[f"turned by 90 degrees in {_steps} step{'s' * (_steps > 1)}"] = lambda n=_steps: turned(90.0, n)
 for _l, _m in ((1e-6, 1.0), (1e6, 1.0), (1.0, 1e-9), (1.0, 1e9), (1e-6, 1e6)):
