@@ -79,17 +79,12 @@ class Inverse:
         best = min(ratios, default=(np.inf, -1))
         return self._kept[best[1]] if best[0] <= most else None
 
-    def lean_on(
-        self, f: Factor, A: Matrix, dt: float, b: Floats, guess: Floats | None
-    ) -> tuple[Floats | None, Floats]:
-        """Let f stand in for the inverse of A: K^-1 b to a few per cent (None where it does not serve), and M^-1 b.
-
-        ``guess``: the increment of the last step.
-        """
+    def lean_on(self, f: Factor, A: Matrix, dt: float, b: Floats) -> tuple[Floats | None, Floats]:
+        """Let f stand in for the inverse of A: K^-1 b to a few per cent (None where it does not serve), and M^-1 b."""
         self._use(f)
         self._A, self._dt, self._inner = A, dt, False
         with self._clock("linear solves"):
-            x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST, guess)
+            x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST)
         return (x if error < TOLERANCE else None), z
 
     def _use(self, f: Factor) -> None:

@@ -90,7 +90,6 @@ class Newton:
         self._calm = 0  # steps since one that was hard
         self._left = np.inf  # last increment over the one allowed
         self._renewed = False  # the present step began with an old factorisation, and made one of its own
-        self._last: Floats | None = None  # increment of the last step (rows)
         self.force_reform = True
         self.guarded = False  # the present step is solved by guarded Newton steps (:mod:`.guarded`)
         eqs = system.eqs
@@ -155,7 +154,7 @@ class Newton:
         kept = None if self.force_reform or self._calm < CALM else self.inverse.near(dt)
         if kept is not None:
             u, z = R0.copy(), R0.copy()
-            first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows], self._last)
+            first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows])
             if first is not None:
                 self._stale, self.qn = True, self._anderson
                 self.qn.reset()
@@ -250,7 +249,6 @@ class Newton:
         finally:
             self.count.factorisations = self.inverse.made - made
         self.total = self.total + self.increment
-        self._last = self.increment[self.rows] if self.reuse else None
         if self.system.dry is not None:
             self.total[self.system.dry] = 0.0
         self._calm = 0 if self._renewed or self.count.iterations > EASY else self._calm + 1

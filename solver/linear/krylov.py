@@ -20,40 +20,34 @@ def matvec(A: Matrix, x: Floats) -> Floats:
 
 
 def gmres(
-    A: Matrix, b: Floats, precondition: Callable[[Floats], Floats], tolerance: float, most: int,
-    guess: Floats | None = None,
-) -> tuple[Floats, Floats, float]:  # fmt: skip
+    A: Matrix, b: Floats, precondition: Callable[[Floats], Floats], tolerance: float, most: int
+) -> tuple[Floats, Floats, float]:
     """Solve A x = b from the left-preconditioned system M^-1 A x = M^-1 b.
 
     Returns x, M^-1 b and the preconditioned residual relative to M^-1 b. No restart: ``most`` bounds memory and
     work, and a result that has not reached ``tolerance`` is returned as it is. Where M^-1 b itself leaves less
-    than a tenth of ``tolerance`` of b (a fresh factorisation), it is the answer. The iteration starts from the
-    multiple of ``guess``, a direction likely to be near x, that leaves least.
+    than a tenth of ``tolerance`` of b (a fresh factorisation), it is the answer.
     """
-    z = precondition(b)
-    size = np.sqrt(dot(z, z))
-    if size == 0.0:
-        return np.zeros_like(b), z, 0.0
-    left = b - matvec(A, z)
+    r = precondition(b)
+    beta = np.sqrt(dot(r, r))
+    if beta == 0.0:
+        return np.zeros_like(b), r, 0.0
+    left = b - matvec(A, r)
     if dot(left, left) < (0.1 * tolerance) ** 2 * dot(b, b):
-        return z, z, 0.1 * tolerance
-    x, r, first = np.zeros_like(b), z, None if guess is None else precondition(matvec(A, guess))
-    if first is not None and guess is not None and dot(first, first) > 0.0:
-        c = dot(first, z) / dot(first, first)
-        x, r = c * guess, z - c * first
-    beta = error = np.sqrt(dot(r, r))
-    if beta < tolerance * size:
-        return x, z, beta / size
-    V, H, best = [r / beta], np.zeros((most + 1, most)), np.zeros(0)
+        return r, r, 0.1 * tolerance
+    V = [r / beta]
+    H = np.zeros((most + 1, most))
+    best, error = np.zeros(0), beta
     for k in range(most):
-        w = precondition(matvec(A, V[k])) if k or r is not z else (z - precondition(left)) / beta
+        w = precondition(matvec(A, V[k])) if k else (r - precondition(left)) / beta
         best, error = _extend(V, H, w, k, beta)
-        if error < tolerance * size or H[k + 1, k] == 0.0:
+        if error < tolerance * beta or H[k + 1, k] == 0.0:
             break
         V.append(w / H[k + 1, k])
+    x = np.zeros_like(b)
     for v, c in zip(V, best):
         x += c * v
-    return x, z, error / size
+    return x, r, error / beta
 
 
 def _extend(V: list[Floats], H: Floats, w: Floats, k: int, beta: float) -> tuple[Floats, float]:
