@@ -37,23 +37,23 @@ def solve(newton: Newton) -> None:
     newton.qn.reset()
     newton.qn.begin()
     newton.force_reform = False
-    R = newton._residual()
+    R = newton.residual()
     for _ in range(MOST):
-        A, Fd = newton._tangent((1.0 - done) * given)
-        newton._invert(A)
+        A, Fd = newton.tangent((1.0 - done) * given)
+        newton.invert(A)
         R0 = R + Fd
-        u = newton._on_rows(newton.inverse.refined, R0)
+        u = newton.on_rows(newton.inverse.refined, R0)
         if not np.isfinite(u).all():
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s = _guard(newton, u, before + done * (after - before), (1.0 - done) * (after - before))
         done = 1.0 if s == 1.0 else done + s * (1.0 - done)
-        R = newton._residual()
+        R = newton.residual()
         _, converged = newton.judge(u, s, R0, R, norms)
         newton.count.iterations += 1
         if converged and done == 1.0:
-            if not newton.augments or newton._augment():
+            if not newton.augments or newton.augment():
                 return
-            R = newton._residual()
+            R = newton.residual()
     raise NotConverged(f"{MOST} guarded Newton steps did not converge")
 
 

@@ -83,8 +83,8 @@ class Newton:
         if self.options.updates == 0:
             method = FullNewton
         self.reuse = reuse and method is not FullNewton
-        self._fresh_qn: Any = method(lambda b: self._on_rows(self.inverse.solve, b), self.options)
-        self._anderson = Anderson(lambda b: self._on_rows(self.inverse.once, b), self.options)
+        self._fresh_qn: Any = method(lambda b: self.on_rows(self.inverse.solve, b), self.options)
+        self._anderson = Anderson(lambda b: self.on_rows(self.inverse.once, b), self.options)
         self.qn: Any = self._fresh_qn
         self._stale = False
         self._calm = 0  # steps since one that was hard
@@ -107,14 +107,14 @@ class Newton:
         self.augments = self.augments or any(c.augments for c in system.contacts)
 
     # ---- pieces -----------------------------------------------------------------------------------
-    def _on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
+    def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
         """Solve for the free unknowns; prescribed ones keep b."""
         x = b.copy()
         if len(self.rows):
             x[self.rows] = solve(b[self.rows])
         return x
 
-    def _tangent(self, step: Floats) -> tuple[Matrix, Floats]:
+    def tangent(self, step: Floats) -> tuple[Matrix, Floats]:
         with self.clock("tangent"):
             A, Fd = self.system.tangent(step)
         if not np.isfinite(A.data).all():
@@ -123,12 +123,12 @@ class Newton:
 
     def _reform(self, step: Floats) -> Floats:
         """Renew the tangent and its inverse; returns minus its prescribed columns times ``step``."""
-        A, Fd = self._tangent(step)
-        self._invert(A)
+        A, Fd = self.tangent(step)
+        self.invert(A)
         self._stale = False
         return Fd
 
-    def _invert(self, A: Matrix) -> None:
+    def invert(self, A: Matrix) -> None:
         if self.count.reforms >= self.options.max_reforms and not self.guarded:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
         dt = self.system.state.dt
@@ -148,9 +148,9 @@ class Newton:
         self._stale = False
         if not self.reuse:
             Fd = self._reform(du)
-            return self._residual() + Fd, None
-        A, Fd = self._tangent(du)
-        R0, dt = self._residual() + Fd, self.system.state.dt
+            return self.residual() + Fd, None
+        A, Fd = self.tangent(du)
+        R0, dt = self.residual() + Fd, self.system.state.dt
         kept = None if self.force_reform or self._calm < CALM else self.inverse.near(dt)
         if kept is not None:
             u, z = R0.copy(), R0.copy()
@@ -162,10 +162,10 @@ class Newton:
                 u[self.rows] = first
                 return R0, u
         self.qn = self._fresh_qn
-        self._invert(A)
-        return R0, self._on_rows(self.inverse.refined, R0)
+        self.invert(A)
+        return R0, self.on_rows(self.inverse.refined, R0)
 
-    def _residual(self) -> Floats:
+    def residual(self) -> Floats:
         self.count.residuals += 1
         with self.clock("residual"):
             R = self.system.residual()
@@ -187,17 +187,17 @@ class Newton:
         o = self.options
         if o.line_tolerance <= 0 or self._stale:  # multisecant directions are no descent directions
             self._move(u)
-            return 1.0, self._residual()
+            return 1.0, self.residual()
         s = best = 1.0
         r0 = dot(u, R0)
         least = abs(r0)
         n = 0
         while True:
             s = self._try(u, s)
-            R1 = self._residual()
+            R1 = self.residual()
             if s < o.line_minimum and not o.line_check_jacobians:
                 self._move(0.5 * u)
-                return 0.5, self._residual()
+                return 0.5, self.residual()
             r1 = dot(u, R1)
             if n == 0 or abs(r1) < least:
                 best, least = s, abs(r1)
@@ -208,7 +208,7 @@ class Newton:
             n += 1
             if n >= o.line_iterations:
                 self._move(best * u)
-                return best, self._residual()
+                return best, self.residual()
 
     @staticmethod
     def _next(s: float, a: float) -> float:
@@ -284,7 +284,7 @@ class Newton:
         if not converged and 0 < o.max_residual <= r1:
             raise NotConverged(f"the residual {r1:g} is above max_residual = {o.max_residual:g}")
         if converged:
-            converged = not self.augments or self._augment()
+            converged = not self.augments or self.augment()
             k.iterations += 1
             return converged
         if o.line_tolerance > 0 and s < o.line_minimum:
@@ -365,7 +365,7 @@ class Newton:
             self._reform(np.zeros_like(u))
         self._next_R0 = R1
 
-    def _augment(self) -> bool:
+    def augment(self) -> bool:
         k, system = self.count, self.system
         done = [g.augment(k.augmentations)[0] for g in system.groups]
         done += [load.augment(k.augmentations) for load in system.augmented]
@@ -376,7 +376,7 @@ class Newton:
         if all(done):
             return True
         self.system.update()
-        self._next_R0 = self._residual()
+        self._next_R0 = self.residual()
         self.qn.begin()
         if self.options.updates == 0 or self.options.reform_augment:
             self._reform(np.zeros_like(self.total))
