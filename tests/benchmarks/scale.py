@@ -5,7 +5,7 @@
 A cube of n^3 biphasic neo-Hookean hexahedra, confined, pressed by 1 % from its drained top and solved over four steps
 with kept factorisations (a whole run, set-up to end); before it the parts of one tangent are timed: assembly, stresses
 and residual, factorisation, solve (in single precision, as such runs keep them). Each row is a process of its own, for
-its peak memory. Below the table: growth exponents of a kind's last two sizes, d log(cost) / d log(unknowns).
+its peak memory; none follows one that took more than --limit seconds. Below the table: growth exponents of a kind's last two sizes, d log(cost) / d log(unknowns).
 """
 
 from __future__ import annotations
@@ -147,6 +147,7 @@ def main() -> None:
     ap.add_argument("--sizes", type=int, nargs="*", default=[6, 13, 20, 28, 42, 53])
     ap.add_argument("--threads", type=int, nargs="*", default=[1, 2])
     ap.add_argument("--linear", nargs="*", default=["auto"])
+    ap.add_argument("--limit", type=float, default=100.0, help="seconds of a row after which no larger one is tried")
     ap.add_argument("--one", nargs=3, help=argparse.SUPPRESS)
     ap.add_argument("-o", "--output", type=Path)
     a = ap.parse_args()
@@ -158,8 +159,13 @@ def main() -> None:
     found: dict[tuple[str, int], list[dict[str, float]]] = {}
     for linear in a.linear:
         for threads in a.threads:
+            spent = 0.0
             for n in a.sizes:
+                if spent > a.limit:
+                    break
+                start = time.perf_counter()
                 r = row(n, threads, linear)
+                spent = time.perf_counter() - start
                 found.setdefault((linear, threads), []).append(r)
                 cells = " | ".join(f"{r[k]:.3g}" for k in ("tangent", "residual", "analysis", "factor", "solve", "run"))
                 print(f"| {linear} | {threads} | {r['unknowns']:.0f} | {cells} | {r['MB']:.0f} |", flush=True)
