@@ -5,7 +5,8 @@
 A cube of n^3 biphasic neo-Hookean hexahedra, confined, pressed by 1 % from its drained top and solved over four steps
 with kept factorisations (a whole run, set-up to end); before it the parts of one tangent are timed: assembly, stresses
 and residual, factorisation, solve (in single precision, as such runs keep them). Each row is a process of its own, for
-its peak memory; none follows one that took more than --limit seconds. Below the table: growth exponents of a kind's last two sizes, d log(cost) / d log(unknowns).
+its peak memory; none follows one that took more than --limit seconds. Below the table: growth exponents of a kind's
+last two sizes, d log(cost) / d log(unknowns).
 """
 
 from __future__ import annotations
