@@ -10,11 +10,11 @@ import numpy as np
 
 from .clock import Clock
 from .group import ElementFailure, Group
-from .linear.base import Direct, LinearError, LinearSolver, Stalled
-from .linear.choose import choose
+from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged
-from .problem import TRANSIENT, Problem, Step
+from .problem import Problem, Step
 from .result import Result, Totals
+from .route import Route
 from .saving import wanted
 from .schedule import Schedule, chunk_size
 from .second_order import SecondOrder, refusal
@@ -24,9 +24,7 @@ from .system import System
 from .threads import Team
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
 
     from .rigid.bodies import Bodies
 
@@ -51,10 +49,6 @@ class Options:
     stabilise: float = 0.0
     accuracy: float = 0.0
     memory: float = 0.0
-
-
-REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
-LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
 
 class Listener:
@@ -176,8 +170,9 @@ class Run:
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
         self.system = System(self.problem, step, self.groups, s, self.schedule, self.bodies)
+        route = Route(self.system, self.options, self.team.n)
         try:
-            make, reuse = self._linear()
+            make, reuse = route.decide()
         except LinearError as e:
             return str(e)
         newton = Newton(self.system, make, lambda it: self.tell("iteration", it), self.clock, reuse)
@@ -193,7 +188,9 @@ class Run:
         self.count = 0
         self.tell("begin_analysis")
         if self.system.dynamic:
-            self._initial_acceleration()
+            from .start import accelerate
+
+            accelerate(self.system, route)
         try:
             while self.stepper.end - s.time > abs(self.stepper.end) * 1e-7:
                 reason = self._time_step(newton)
@@ -205,46 +202,6 @@ class Run:
         self._save("step")
         return ""
 
-    def _linear(self) -> tuple[Callable[[], LinearSolver], bool]:
-        """What makes linear solvers, and whether factorisations are kept; "auto" tries whether one fits in memory."""
-        assert self.system is not None
-        name, reuse = self.options.linear, self._reuse()
-        first = self._solver(name, reuse)
-        tried = len(self.system.eqs.rows) >= LARGE or self.options.memory > 0.0
-        if name == "auto" and tried and isinstance(first, Direct):
-            left, need = self._room(), first.memory(self.system.matrix)
-            if need > left:
-                first.close()
-                name, reuse, first = "iterative", False, self._in_its_place(need, left)
-        spare = [first]
-        return lambda: spare.pop() if spare else self._solver(name, reuse), reuse
-
-    def _room(self) -> float:
-        """Bytes that a factorisation may take."""
-        if self.options.memory:
-            return self.options.memory * 1e9
-        from .linear.memory import SHARE, available
-
-        return SHARE * available()
-
-    def _solver(self, name: str, single: bool) -> LinearSolver:
-        assert self.system is not None
-        known = None
-        if name == "iterative":
-            from .storage import layout
-
-            known = layout(self.system)
-        return choose(name, len(self.system.eqs.rows), self.team.n, single, known, self.system.mixed)
-
-    def _in_its_place(self, need: float, left: float) -> LinearSolver:
-        try:
-            return self._solver("iterative", False)
-        except LinearError as e:
-            raise LinearError(
-                f"a factorisation takes {need / 1e9:.1f} GB of memory and {left / 1e9:.1f} GB are left; without it "
-                f"{e}; --linear pardiso tries all the same"
-            ) from None
-
     def _second_order(self, newton: Newton) -> SecondOrder | None:
         if not self.options.accuracy:
             return None
@@ -255,63 +212,6 @@ class Run:
         loose = {n: min(getattr(o, n), self.options.accuracy) for n in ("dtol", "ptol") if getattr(o, n) > 0}
         newton.options = replace(o, **loose)
         return SecondOrder(self.state, self.groups, newton)
-
-    def _reuse(self) -> bool:
-        """Is a factorisation kept over time steps? See :class:`Options`."""
-        assert self.system is not None
-        if self.options.linear == "iterative":
-            return False  # there is no factorisation to keep
-        if self.options.factor != "auto":
-            return self.options.factor == "reuse"
-        pinned = self.step.auto is not None or self.options.accuracy > 0.0
-        pinned = pinned and self.step.saving.level != "PLOT_MAJOR_ITRS"
-        transient = self.problem.biphasic and self.step.analysis == TRANSIENT and not self.system.contacts
-        return pinned and transient and len(self.system.eqs.rows) >= REUSE_EQUATIONS
-
-    def _initial_acceleration(self) -> None:
-        """a0 = M^-1 f where external forces act at the start (FEBio's InitAccelerations)."""
-        system = self.system
-        assert system is not None
-        if self.state.time != 0.0:
-            return
-        f = np.zeros_like(self.state.d)
-        if system.bodies is not None:
-            self.state.dt = self.step.dt  # their rates are functions of it
-        for load in [*system.loads]:
-            load.residual(self.state, f)
-        for load in system.body_loads:
-            load.residual(self.state, system.carriers, f)
-        if system.bodies is not None or system.ties is not None:
-            self._initial_acceleration_with_ties(f)
-            return
-        free = system.eqs.kind[:, :3] == 0
-        if not np.any(f[:, :3][free]):
-            return
-        a = system.mass.solve(f[:, :3], free)
-        self.state.acceleration[free] = a[free]
-
-    def _initial_acceleration_with_ties(self, f: NDArray[np.float64]) -> None:
-        """As above, with rigid bodies and nodes that hang on others."""
-        system, s = self.system, self.state
-        assert system is not None
-        bodies = system.bodies
-        if bodies is not None:
-            bodies.inertia_forces(s, f, system.alpham)
-        if system.ties is not None:
-            system.ties.gather(s, f, system.alphaf)
-        rows, R = system.eqs.rows, system.gather(f)
-        if not len(rows) or not np.any(R[rows]):
-            return
-        solver = self._solver(self.options.linear, False)
-        solver.factor(system.mass_matrix())
-        a = np.zeros(system.eqs.n)
-        a[rows] = solver.solve(R[rows])
-        solver.close()
-        full = np.zeros_like(s.d)
-        system.spread(a, full)
-        s.acceleration[:] = full[:, :3]
-        if bodies is not None:
-            s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper

@@ -63,6 +63,7 @@ def measure(n: int, threads: int, linear: str) -> dict[str, float]:
     """One row, in this process."""
     import resource
 
+    from febkit.solver.route import Route
     from febkit.solver.run import Options, Run, run
     from febkit.solver.system import System
 
@@ -85,7 +86,8 @@ def measure(n: int, threads: int, linear: str) -> dict[str, float]:
     timed("tangent", lambda: system.tangent(step))
     timed("residual", lambda: (system.update(), system.residual()))
     A, _ = system.tangent(step)
-    solver = r._solver(linear, linear == "auto" and len(system.eqs.rows) >= 3000)
+    route = Route(system, r.options, threads)
+    solver = route.solver(linear, single=route.keeps())
     timed("analysis", lambda: solver.factor(A), 1)
     timed("factor", lambda: solver.factor(A), 2 if n < 40 else 1)
     out["analysis"] = max(out["analysis"] - out["factor"], 0.0)

@@ -1,0 +1,80 @@
+"""Which linear solver an analysis gets, and whether its factorisations are kept over time steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from .linear.base import Direct, LinearError, LinearSolver
+from .linear.choose import choose
+from .problem import TRANSIENT
+
+if TYPE_CHECKING:
+    from .run import Options
+    from .system import System
+
+REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
+LARGE = 50_000  # equations from which a factorisation might not fit in memory
+
+
+class Route:
+    """The choices of one analysis step; see :class:`.run.Options`."""
+
+    def __init__(self, system: System, options: Options, threads: int) -> None:
+        self.system, self.options, self.threads = system, options, threads
+        self.rows = len(system.eqs.rows)
+
+    def decide(self) -> tuple[Callable[[], LinearSolver], bool]:
+        """What makes linear solvers, and whether factorisations are kept; "auto" tries whether one fits in memory.
+
+        Raises LinearError where none does and the iterative solver cannot stand in.
+        """
+        name, reuse = self.options.linear, self.keeps()
+        first = self.solver(name, reuse)
+        tried = self.rows >= LARGE or self.options.memory > 0.0
+        if name == "auto" and tried and isinstance(first, Direct):
+            left, need = self._room(), first.memory(self.system.matrix)
+            if need > left:
+                first.close()
+                name, reuse, first = "iterative", False, self._in_its_place(need, left)
+        spare = [first]
+        return lambda: spare.pop() if spare else self.solver(name, reuse), reuse
+
+    def solver(self, name: str, single: bool = False) -> LinearSolver:
+        """A solver for the system; ``single``: its factor may be of single precision."""
+        known = None
+        if name == "iterative":
+            from .storage import layout
+
+            known = layout(self.system)
+        return choose(name, self.rows, self.threads, single, known, self.system.mixed)
+
+    def keeps(self) -> bool:
+        """Is a factorisation kept over time steps?"""
+        o, step = self.options, self.system.step
+        if o.linear == "iterative":
+            return False  # there is no factorisation to keep
+        if o.factor != "auto":
+            return o.factor == "reuse"
+        pinned = step.auto is not None or o.accuracy > 0.0
+        pinned = pinned and step.saving.level != "PLOT_MAJOR_ITRS"
+        transient = self.system.problem.biphasic and step.analysis == TRANSIENT and not self.system.contacts
+        return pinned and transient and self.rows >= REUSE_EQUATIONS
+
+    def _room(self) -> float:
+        """Bytes that a factorisation may take."""
+        if self.options.memory:
+            return self.options.memory * 1e9
+        from .linear.memory import SHARE, available
+
+        return SHARE * available()
+
+    def _in_its_place(self, need: float, left: float) -> LinearSolver:
+        """The iterative solver, where it can be had."""
+        said = f"a factorisation takes {need / 1e9:.1f} GB of memory and {left / 1e9:.1f} GB are left"
+        if self.system.bodies is not None:
+            raise LinearError(f"{said}; the iterative solver does not take rigid bodies")
+        try:
+            return self.solver("iterative")
+        except LinearError as e:
+            raise LinearError(f"{said}; without it {e}; --linear pardiso tries all the same") from None

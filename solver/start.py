@@ -1,0 +1,54 @@
+"""Accelerations at the start of a dynamic analysis: M a = f where external forces act (FEBio's InitAccelerations)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .route import Route
+    from .system import System
+
+
+def accelerate(system: System, route: Route) -> None:
+    """Set the state's accelerations, at time 0 alone."""
+    s = system.state
+    if s.time != 0.0:
+        return
+    f = np.zeros_like(s.d)
+    if system.bodies is not None:
+        s.dt = system.step.dt  # their rates are functions of it
+    for load in system.loads:
+        load.residual(s, f)
+    for load in system.body_loads:
+        load.residual(s, system.carriers, f)
+    if system.bodies is not None or system.ties is not None:
+        _with_ties(system, route, f)
+        return
+    free = system.eqs.kind[:, :3] == 0
+    if np.any(f[:, :3][free]):
+        s.acceleration[free] = system.mass.solve(f[:, :3], free)[free]
+
+
+def _with_ties(system: System, route: Route, f: NDArray[np.float64]) -> None:
+    """As above, with rigid bodies and nodes that hang on others."""
+    s, bodies = system.state, system.bodies
+    if bodies is not None:
+        bodies.inertia_forces(s, f, system.alpham)
+    if system.ties is not None:
+        system.ties.gather(s, f, system.alphaf)
+    rows, R = system.eqs.rows, system.gather(f)
+    if not len(rows) or not np.any(R[rows]):
+        return
+    solver = route.solver(route.options.linear)
+    solver.factor(system.mass_matrix())
+    a = np.zeros(system.eqs.n)
+    a[rows] = solver.solve(R[rows])
+    solver.close()
+    full = np.zeros_like(s.d)
+    system.spread(a, full)
+    s.acceleration[:] = full[:, :3]
+    if bodies is not None:
+        s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]
