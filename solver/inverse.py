@@ -129,7 +129,8 @@ class Inverse:
 
     @property
     def _inner_most(self) -> int:
-        return int(np.clip(self.ratio / 12.0, 3, 16))
+        """Iterations of GMRES for a direction: from 3, where a factorisation is just dear, to 16 at 100 solves."""
+        return int(np.clip((self.ratio - DEAR) / 5.0, 3, 16))
 
     @property
     def _room(self) -> int:
