@@ -2,7 +2,7 @@
 
     python tests/benchmarks/solver.py [--models ../shared/oracle/bench] [--only tissue15_B cell_small]
     python tests/benchmarks/solver.py --factor tissue25_B
-    python tests/benchmarks/solver.py --loops tissue25_B
+    python tests/benchmarks/solver.py --loops tissue25_B      element loops beside FEBio's, and all against the machine
 
 A model's folder holds ``models/*.feb``, ``reference/*.npz`` (FEBio's nodal u and p) and ``febio.json``
 (FEBio's seconds and peak memory on two threads). Prints a Markdown table; errors are relative, the
@@ -20,8 +20,11 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as febkit run has it: threads are its own
+
+import numpy as np  # noqa: E402
 
 HERE = Path(__file__).resolve()
 DEFAULT = HERE.parents[2].parent / "shared" / "oracle" / "bench"
@@ -128,10 +131,43 @@ def loops(folder: Path, name: str, threads: int) -> None:
         "tangent": 1e3 * split["evaluating stiffness"] / known["reforms"],
         "update and residual": 1e3 * (split["model update"] + split["evaluating residual"]) / known["rhs"],
     }
+    limits(system, step, best, threads)
     for what, ms in ours.items():
         each = 1e3 * ms / known["elements"]
         print(f"{name}, {what}: {ms:.1f} ms ({each:.2f} us an element), FEBio {theirs[what]:.0f} ms: "
               f"{theirs[what] / ms:.1f} times")  # fmt: skip
+
+
+def limits(system: Any, step: Any, best: Callable[[Callable[[], object]], float], threads: int) -> None:
+    """Factorisation, solve and assembly against this machine: products of matrices, and reading of memory."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from febkit.solver.linear.pardiso import Pardiso
+
+    class Counting(Pardiso):
+        def _setup(self, A: Any) -> None:
+            super()._setup(A)
+            self._iparm[18] = -1  # count operations, in millions
+
+    pool, n = ThreadPoolExecutor(threads), 2048
+    work = [np.random.default_rng(i).random((n, n), np.float32) for i in range(threads)]
+    flops = threads * 2e-6 * n**3 / best(lambda: list(pool.map(lambda a: a @ a, work)))  # GFlop/s
+    field = [np.ones(25_000_000, np.float32) for _ in range(threads)]
+    reading = threads * 0.1e3 / best(lambda: list(pool.map(lambda a: a.sum(), field)))  # GB/s
+    print(f"this machine, {threads} threads: {flops:.0f} GFlop/s in products (single precision), reads {reading:.0f} GB/s")
+    A, _ = system.tangent(step)
+    solver = Counting(threads, single=True, mixed=True)
+    solver.factor(A)
+    work_done, size = 1e-3 * float(solver._iparm[18]), 4e-9 * solver.stats["factor_entries"]
+    ms = best(lambda: solver.factor(A))
+    print(f"factorisation: {ms:.0f} ms, {work_done:.0f} GFlop, {1e3 * work_done / ms:.0f} GFlop/s")
+    b = np.random.default_rng(0).standard_normal(A.n)
+    ms = best(lambda: solver.solve(b))
+    print(f"solve: {ms:.1f} ms, the factor's {size:.2f} GB read twice: {2e3 * size / ms:.0f} GB/s")
+    ms = best(lambda: system.tangent(step))
+    traffic = sum(g.m * g.g * 8 * (9 + 9 + 1 + 1 + 1) for g in system.groups) + 24 * len(A.data)
+    print(f"tangent: {ms:.1f} ms, points and matrix {1e-9 * traffic:.2f} GB once: {1e-6 * traffic / ms:.1f} GB/s")
+    solver.close()
 
 
 def main() -> None:
