@@ -154,7 +154,7 @@ def limits(system: Any, step: Any, best: Callable[[Callable[[], object]], float]
     flops = threads * 2e-6 * n**3 / best(lambda: list(pool.map(lambda a: a @ a, work)))  # GFlop/s
     field = [np.ones(25_000_000, np.float32) for _ in range(threads)]
     reading = threads * 0.1e3 / best(lambda: list(pool.map(lambda a: a.sum(), field)))  # GB/s
-    print(f"this machine, {threads} threads: {flops:.0f} GFlop/s (products, single precision), reads {reading:.0f} GB/s")
+    print(f"this machine, {threads} threads: {flops:.0f} GFlop/s in single precision, reads {reading:.0f} GB/s")
     A, _ = system.tangent(step)
     solver = Counting(threads, single=True, mixed=True)
     solver.factor(A)
