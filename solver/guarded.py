@@ -33,6 +33,7 @@ def solve(newton: Newton) -> None:
     newton.target, newton.increment = after, np.zeros_like(newton.total)
     given = np.zeros_like(newton.total)
     given[newton.given] = (system.gather(after) - system.gather(before))[newton.given]
+    system.progress.iterations = system.progress.augmentations = 0
     system.update()
     newton.qn.reset()
     newton.qn.begin()
@@ -50,6 +51,7 @@ def solve(newton: Newton) -> None:
         R = newton.residual()
         _, converged = newton.judge(u, s, R0, R, norms)
         newton.count.iterations += 1
+        system.progress.iterations = newton.count.iterations
         if converged and done == 1.0:
             if not newton.augments or newton.augment():
                 return
