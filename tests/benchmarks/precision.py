@@ -114,12 +114,13 @@ def draw(rows: list[Row], title: str, out: Path) -> None:
     families: dict[str, list[Row]] = {}
     for r in rows:
         families.setdefault(r[0].rsplit(", ", 1)[0] if r[0].startswith("second") else r[0], []).append(r)
-    colours = {mesh: f"C{i}" for i, mesh in enumerate(dict.fromkeys(n.split(",")[0] for n in families))}
+    mesh = {n: n.split(",")[0] if "elements" in n else n for n in families}  # one colour for a mesh, else for a route
+    colours = {m: f"C{i}" for i, m in enumerate(dict.fromkeys(mesh.values()))}
     for name, some in families.items():
         mark = "o--" if name.endswith("backward Euler") else "o-" if len(some) > 1 else "s"
-        mark = "k*" if "FEBio, rec" in name else mark
+        mark = "*" if "FEBio, rec" in name else mark
         ax.loglog([r[2] for r in some], [max(r[3], r[4]) for r in some], mark, label=name,
-                  color="k" if "FEBio, rec" in name else colours[name.split(",")[0]], markersize=6)  # fmt: skip
+                  color="k" if "FEBio, rec" in name else colours[mesh[name]], markersize=6)  # fmt: skip
     ax.set(xlabel="seconds", ylabel="relative error (larger of u and p)", title=title)
     ax.grid(True, which="both", alpha=0.3)
     ax.legend(fontsize=8)
