@@ -47,32 +47,52 @@ def _newton(T, x, nodes, n, p, H, G, C, w, rs, q):
 
 @kernel
 def _newton_quad(x, nodes, p, w, rs, q):
-    """:func:`_newton` of a quadrilateral of 4 nodes: q = a + b r + c s + d r s, of w (6, 3) the first four rows."""
-    for i in range(3):
-        y0, y1, y2, y3 = x[nodes[0], i], x[nodes[1], i], x[nodes[2], i], x[nodes[3], i]
-        w[0, i], w[1, i] = 0.25 * (y0 + y1 + y2 + y3), 0.25 * (y1 + y2 - y0 - y3)
-        w[2, i], w[3, i] = 0.25 * (y2 + y3 - y0 - y1), 0.25 * (y0 + y2 - y1 - y3)
+    """:func:`_newton` of a quadrilateral of 4 nodes, in FEBio's order of operations.
+
+    A point before the edge of two facets of one plane is as far from the one as from the other: rounding decides which
+    is taken, and with it, once the plane bends, the side to which a symmetric model gives way.
+    """
+    px, H, Hr, Hs = w[4, :4], w[5, :4], w[6, :4], w[7, :4]
+    for a in range(4):
+        m = nodes[a]
+        px[a] = p[0] * x[m, 0] + p[1] * x[m, 1] + p[2] * x[m, 2]
+        for b in range(4):
+            k = nodes[b]
+            w[a, b] = x[m, 0] * x[k, 0] + x[m, 1] * x[k, 1] + x[m, 2] * x[k, 2]
+    done = False
     for k in range(52):
         r, s = rs[0], rs[1]
-        a = b = c = u = v = 0.0
-        for i in range(3):
-            g, h = w[1, i] + w[3, i] * s, w[2, i] + w[3, i] * r
-            q[i] = w[0, i] + w[1, i] * r + h * s
-            f = q[i] - p[i]
-            u += f * g
-            v += f * h
-            a += g * g
-            b += g * h + f * w[3, i]
-            c += h * h
-        det = a * c - b * b
-        dr, ds = -(c * u - b * v) / det, -(a * v - b * u) / det
-        if dr * dr + ds * ds < 1e-10:  # FEBio leaves the last increment out, which its answers show
-            return True
-        if k > 50:
-            return False
+        for a in range(4):
+            g = 1.0 if a == 1 or a == 2 else -1.0
+            h = 1.0 if a > 1 else -1.0
+            H[a] = 0.25 * (1.0 + g * r) * (1.0 + h * s)
+            Hr[a] = 0.25 * g * (1.0 + h * s)
+            Hs[a] = 0.25 * h * (1.0 + g * r)
+        u = v = aa = ab = ba = bb = 0.0
+        for a in range(4):
+            t = 0.25 if a == 0 or a == 2 else -0.25
+            u -= px[a] * Hr[a]
+            v -= px[a] * Hs[a]
+            ab += px[a] * t
+            ba += px[a] * t
+            for b in range(4):
+                z = w[a, b]
+                u -= -H[b] * Hr[a] * z
+                v -= -H[b] * Hs[a] * z
+                aa -= z * (Hr[a] * Hr[b])
+                bb -= z * (Hs[a] * Hs[b])
+                ab -= z * (Hr[a] * Hs[b] + t * H[b])
+                ba -= z * (Hs[a] * Hr[b] + t * H[b])
+        det = aa * bb - ab * ba
+        dr, ds = (bb * u - ab * v) / det, (aa * v - ba * u) / det
+        done = dr * dr + ds * ds < 1e-10  # FEBio leaves the last increment out, which its answers show
+        if done or k > 50:
+            break
         rs[0] += dr
         rs[1] += ds
-    return False
+    for i in range(3):
+        q[i] = x[nodes[0], i] * H[0] + x[nodes[1], i] * H[1] + x[nodes[2], i] * H[2] + x[nodes[3], i] * H[3]
+    return done
 
 
 @kernel
@@ -101,7 +121,7 @@ def project(T, x, nodes, n, p, H, G, C, w, rs, q):
 @kernel
 def _approach(x, nodes, p, w, rs, q):
     """Project points between the facet's middle and p in turn, where p itself fails."""
-    at, to = w[4], w[5]
+    at, to = w[8], w[9]
     for i in range(3):
         at[i] = 0.25 * (x[nodes[0], i] + x[nodes[1], i] + x[nodes[2], i] + x[nodes[3], i])
     rs[0] = rs[1] = 0.0
@@ -295,7 +315,7 @@ def follow(
     surface that the point belongs to, or -1. partner (q,): the facet before or -1, kept (if ``keep``) while the
     projection stays inside, else searched anew (if ``update``); rs (q, 2), place (q, 3): where.
     """
-    H, G, C, w = np.empty(9), np.empty((9, 2)), np.empty((9, 3)), np.empty((6, 3))
+    H, G, C, w = np.empty(9), np.empty((9, 2)), np.empty((9, 3)), np.empty((10, 4))
     out, stack, seen = np.zeros(14), np.empty(64, np.int64), np.empty(64, np.int64)
     for k in range(len(partner)):
         e, p = partner[k] if keep else -1, points[k]

@@ -57,7 +57,7 @@ def trials(partner, m, L, rs, rs0, eps, most, out):
 @kernel
 def carry(T, x, X, conn, count, before, partner, rs, rs0, L):
     """Carry first places and multipliers over to new partners."""
-    H, G, C, w = np.empty(9), np.empty((9, 2)), np.empty((9, 3)), np.empty((6, 3))
+    H, G, C, w = np.empty(9), np.empty((9, 2)), np.empty((9, 3)), np.empty((10, 4))
     at, q3, t, v = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3)
     for q in range(len(partner)):
         o, e = before[q], partner[q]
