@@ -14,18 +14,25 @@ import numpy as np
 from ..jit import kernel
 from . import contact, facets
 
+ROUNDING = 16 * np.finfo(float).eps
+
 
 @kernel
 def gaps(points, normals, place, partner, offset, radius, tension, eps, L, gap):
-    """Penetrations (q,); points too deep, or apart without tension, lose their partner. L (q,) multipliers."""
+    """Penetrations (q,); points too deep, or apart without tension, lose their partner. L (q,) multipliers.
+
+    Points that touch to rounding are apart: half of them would push, at random, and Newton's first step with them.
+    """
     for q in range(len(partner)):
         gap[q] = 0.0
         if partner[q] >= 0:
-            g = offset
+            g, size = offset, abs(offset)
             for i in range(3):
                 g += normals[q, i] * (points[q, i] - place[q, i])
+                size += abs(normals[q, i]) * (abs(points[q, i]) + abs(place[q, i]))
             gap[q] = g
-            if g > radius or (not tension and L[q] + eps[q] * g < 0.0):
+            apart = L[q] + eps[q] * g < 0.0 or (L[q] == 0.0 and abs(g) < ROUNDING * size)
+            if g > radius or (not tension and apart):
                 partner[q] = -1
         if partner[q] < 0:
             gap[q] = L[q] = 0.0

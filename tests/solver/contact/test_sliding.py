@@ -145,3 +145,15 @@ def test_the_search_scales(name: str) -> None:
         taken.append(best)
     assert taken[1] < 0.3
     assert taken[1] < 12 * max(taken[0], 1e-3)
+
+
+def test_points_that_touch_to_rounding_are_apart() -> None:
+    """FEBio's shells pressed on each other from contact without a gap (its test sh20) stall where half of them push."""
+    p = scene.Pair(gap=0.1)
+    slide = make("sliding-elastic", p, penalty=10.0)
+    state = scene.started(p, slide)
+    shift = np.zeros_like(p.X)
+    for ulps, pushed in ((0.0, False), (1.0, False), (-1.0, False), (1e4, True)):
+        shift[np.unique(p.top), 2] = -0.1 - ulps * np.finfo(float).eps
+        scene.forces(slide, state, shift)
+        assert (slide.sides[0].partner >= 0).any() == pushed
