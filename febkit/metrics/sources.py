@@ -184,7 +184,8 @@ class Sources:
 
     def _driven(self, spec: Component) -> bool:
         """True where body loads act on the fluid of a biphasic material."""
-        if self.model is None or spec.child("fluid_density") is None:
+        density = spec.child("fluid_density")
+        if self.model is None or density is None or density.text.strip() in ("", "0", "0.0"):
             return False
         steps = (self.model.common, *self.model.steps)
         return any(c.tag == "body_load" for step in steps for c in step.loads)
