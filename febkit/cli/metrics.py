@@ -31,6 +31,14 @@ if TYPE_CHECKING:
     show_default=True,
     help="Flux on a cell's surface from the elements of both sides, or of the cell alone.",
 )
+@click.option(
+    "--exchange",
+    type=click.Choice(["nodal", "consistent"]),
+    default="nodal",
+    show_default=True,
+    help="Mass exchange by nodal fluxes on a cell's surface (the study's), or by the pressure equation of the "
+    "elements around it, which is the cell's change of volume on any mesh.",
+)
 @click.option("--density", type=float, help="Fluid density in pg per cubic unit of length [default: water].")
 @click.option(
     "--at", "times", type=float, multiple=True, metavar="T", help="Times to print [default: the last]."
@@ -59,6 +67,7 @@ def command(
     model: Path | None,
     cells: tuple[str, ...],
     sides: str,
+    exchange: str,
     density: float | None,
     times: tuple[float, ...],
     variable: str | None,
@@ -89,7 +98,7 @@ def command(
         if output is None:
             raise click.UsageError("--fields needs -o FILE.nc")
     else:
-        data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides)
+        data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides, exchange)
         _printed(data, [str(k) for k in metrics.METRICS if k in data], "cell", times, style)
         _notes(data)
     if output is not None:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import exchange as exchanges
 from . import flux, shape, units
 from . import groups as grouping
 from .fields import SCALARS, Sweep
 from .kinematics import Group, State
 from .selection import Cells, Selection, select_cells
-from .sources import NodalFlux, Sources
+from .sources import Sources
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from febkit.model import Model
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Exchange = exchanges.Nodal | exchanges.Consistent
 
 # the six of the study, in the order of its tables
 METRICS = (
@@ -61,7 +61,7 @@ TABLE = {
     "mass_exchange_rate": (
         "mass exchange rate",
         "mass",
-        "rho * integral of q.n over the cell's deformed surface (eqs 17-18), outward > 0",
+        exchanges.Nodal.formula,
     ),
     "volume": ("volume", "volume", "sum V_e(t)"),
     "volume_loss_rate": (
@@ -91,6 +91,7 @@ def cell_metrics(
     cells: Cells = None,
     density: float | None = None,
     sides: str = "both",
+    exchange: str = "nodal",
 ) -> xr.Dataset:
     """Metrics (cell, time) of each cell of a result.
 
@@ -101,6 +102,8 @@ def cell_metrics(
     density    fluid density in pg per cubic unit of length; water by default
     sides      nodal flux on a cell's surface is the mean over the elements of the cell ("cell") or of all
                elements at the node ("both")
+    exchange   mass exchange from nodal fluxes on the surface ("nodal", the study's), or the flux that the
+               discrete pressure equation balances ("consistent"): see :class:`.exchange.Consistent`
 
     Raises InputError where cells or displacement are missing. Metrics that lack a source are left out and
     named in ``attrs["missing"]``.
@@ -110,65 +113,22 @@ def cell_metrics(
     sources = Sources(ds, model)
     groups = grouping.make(ds, pick.rows, pick.owner, sources.parts or None)
     on = flux.surface(groups, len(pick.names))
-    exchange = _Exchange.make(ds, pick, on, sources, sides)
-    data = _measure(ds, groups, pick, sources, exchange)
+    flow = exchanges.make(ds, pick, on, sources, exchange, sides)
+    data = _measure(ds, groups, pick, sources, flow)
     rho = u.water if density is None else density
     data["volume_loss_rate"] = -rho * _rate(data["volume"], np.asarray(ds["time"].values, dtype=float))
-    if "mass_exchange_rate" in data:
+    if flow is not None:
         data["mass_exchange_rate"] *= rho
-    return _dataset(ds, data, pick, sources, u, density, sides)
-
-
-@dataclass(slots=True, eq=False)
-class _Exchange:
-    """Outflow of fluid through each cell's surface; ``groups`` are the elements that touch it."""
-
-    on: flux.CellSurface
-    groups: list[Group]
-    laws: list[NodalFlux]
-    mean: flux.NodalMean
-
-    @classmethod
-    def make(
-        cls, ds: xr.Dataset, pick: Selection, on: flux.CellSurface, sources: Sources, sides: str
-    ) -> _Exchange | None:
-        if sides not in ("both", "cell"):
-            raise ValueError(f'sides must be "both" or "cell", not {sides!r}')
-        rows, owner = _touching(ds, pick, on, outside=sides == "both")
-        groups = grouping.make(ds, rows, owner, sources.parts or None)
-        laws = [sources.nodal_flux(g) for g in groups]
-        if any(law is None for law in laws):
-            return None
-        mean = flux.NodalMean(on, [g.owner for g in groups], [g.nodes for g in groups])
-        return cls(on, groups, [law for law in laws if law is not None], mean)
-
-    def outflow(self, u: Floats, t: int) -> Floats:
-        """(cell,) integral of q.n for displacements ``u`` (N, 3)."""
-        q = self.mean([law(g.at(u, gradient=True), t) for g, law in zip(self.groups, self.laws)])
-        x = self.groups[0].X[self.on.node] + u[self.on.node]
-        return flux.outflow(self.on, x.T, q)
-
-
-def _touching(ds: xr.Dataset, pick: Selection, on: flux.CellSurface, outside: bool) -> tuple[Ints, Ints]:
-    """Rows of the elements with a node on a cell's surface, and the cell; those of other cells or parts
-    only where ``outside``. An element between two cells comes once for each."""
-    conn = np.asarray(ds["connectivity"].values)
-    inside = np.full(ds.sizes["element"], -1)
-    inside[pick.rows] = pick.owner
-    order = np.argsort(on.node, kind="stable")
-    nodes, cell = on.node[order], on.cell[order]
-    start, stop = (np.searchsorted(nodes, conn, side=s) for s in ("left", "right"))
-    e, a = np.nonzero(stop > start)
-    count = (stop - start)[e, a]
-    at = np.repeat(start[e, a], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    pairs = np.unique(np.stack([np.repeat(e, count), cell[at]], axis=1), axis=0)
-    if not outside:
-        pairs = pairs[inside[pairs[:, 0]] == pairs[:, 1]]
-    return pairs[:, 0], pairs[:, 1]
+    out = _dataset(ds, data, pick, sources, u)
+    if flow is not None:
+        about = {"formula": flow.formula, "density": rho, "density_units": f"pg/{u.length}^3"}
+        about |= flow.about() if exchange == "consistent" else {**flow.about(), "sides": sides}
+        out["mass_exchange_rate"].attrs.update(about)
+    return out
 
 
 def _measure(
-    ds: xr.Dataset, groups: list[Group], pick: Selection, sources: Sources, exchange: _Exchange | None
+    ds: xr.Dataset, groups: list[Group], pick: Selection, sources: Sources, exchange: Exchange | None
 ) -> dict[str, Floats]:
     """Arrays (cell, time[, component]) of everything in :data:`TABLE` that has a source."""
     n, times = len(pick.names), ds.sizes["time"]
@@ -253,8 +213,6 @@ def _dataset(
     pick: Selection,
     sources: Sources,
     u: units.Units,
-    density: float | None,
-    sides: str,
 ) -> xr.Dataset:
     import xarray as xr
 
@@ -268,9 +226,6 @@ def _dataset(
         if sources.notes.of(name):
             attrs["how"] = sources.notes.of(name)
         out[name] = (("cell", "time", *dims.get(name, ())), data[name], attrs)
-    if "mass_exchange_rate" in out:
-        rho = u.water if density is None else density
-        out["mass_exchange_rate"][2].update(density=rho, density_units=f"pg/{u.length}^3", sides=sides)
     missing = [f"{m}: {sources.notes.of(m)}" for m in METRICS if m not in out]
     counts = np.bincount(pick.owner, minlength=len(pick.names))
     coords = {

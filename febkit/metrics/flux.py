@@ -102,12 +102,18 @@ class NodalMean:
         return total / self.count
 
 
-def darcy(group: Group, state: State, p: Floats, k: Permeability, t: float) -> Floats:
-    """(3, g, e) fluid flux -K grad p at the points, grad in the deformed configuration, p (N,) nodal."""
+def gradient(group: Group, state: State, nodal: Floats) -> Floats:
+    """(3, ..., g, e) gradient by current coordinates, at the points, of element-node values (..., n, e)."""
     if state.G is None:
         raise ValueError("the state was made without gradients")
-    natural = np.matmul(group.dN, p[group.nodes]).reshape(-1, 3, group.nodes.shape[1])
-    grad = np.stack([sum(natural[:, r] * state.G[r, i] for r in range(3)) for i in range(3)])
+    natural = np.matmul(group.dN, nodal)
+    natural = natural.reshape(*natural.shape[:-2], -1, 3, natural.shape[-1])
+    return np.stack([sum(natural[..., r, :] * state.G[r, i] for r in range(3)) for i in range(3)])
+
+
+def darcy(group: Group, state: State, p: Floats, k: Permeability, t: float) -> Floats:
+    """(3, g, e) fluid flux -K grad p at the points, grad in the deformed configuration, p (N,) nodal."""
+    grad = gradient(group, state, p[group.nodes])
     K = k(state.F, state.J, t)
     if K.shape[0] == 1:
         return np.asarray(-K[0] * grad)

@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 Stress = Callable[[Floats, Floats, float], Floats]
 # spatial permeability K (6, g, e), or (1,) where isotropic and uniform
 Permeability = Callable[[Floats, Floats, float], Floats]
+# solvent supply (g, e), volume of fluid made per current volume and time, at F, J, pressure p (g, e), time
+Supply = Callable[[Floats, Floats, Floats, float], Floats]
 
 
 def of_parts(model: Model) -> dict[str, Component]:
@@ -34,9 +36,8 @@ def solid(material: Component) -> Component:
 
 def closed_form(material: Component) -> bool:
     """True where the laws of all parts of this material are numbers known here."""
-    return stress(material) is not None and (
-        material.child("permeability") is None or permeability(material) is not None
-    )
+    known = material.child("permeability") is None or permeability(material) is not None
+    return known and stress(material) is not None and material.child("solvent_supply") is None
 
 
 def stress(material: Component) -> Stress | None:

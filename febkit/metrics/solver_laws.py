@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from febkit.solver.problem import Block
 
     from .kinematics import Group
-    from .materials import Permeability, Stress
+    from .materials import Permeability, Stress, Supply
 
 Floats = NDArray[np.float64]
 
@@ -62,6 +62,20 @@ class SolverLaws:
             out = np.zeros((J.size, 6))
             mixture.permeability.permeability(points, mixture.phi0(t, points.X, points.e), out, None)
             return _components_first(out, J)
+
+        return law
+
+    def supply(self, group: Group) -> Supply | None:
+        """Solvent supply of the mixture, None where it has none."""
+        block = self._block(group)
+        if block.mixture is None or block.mixture.supply is None:
+            return None
+        source = block.mixture.supply
+
+        def law(F: Floats, J: Floats, p: Floats, t: float) -> Floats:
+            out = np.zeros(J.size)
+            source.supply(self._points(group, block, F, J, t), p.T.reshape(-1), out, None, None)
+            return np.ascontiguousarray(out.reshape(J.shape[1], J.shape[0]).T)
 
         return law
 

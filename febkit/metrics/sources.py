@@ -28,6 +28,9 @@ T = TypeVar("T")
 EffectiveStress = Callable[[State, int], Floats]
 # element-node flux (3, n, e) of a group at a state, time index
 NodalFlux = Callable[[State, int], Floats]
+# flux (3, g, e), and solvent supply (g, e), at a group's integration points
+PointFlux = Callable[[State, int], Floats]
+PointSupply = Callable[[State, int], Floats]
 
 
 @dataclass(slots=True)
@@ -84,9 +87,9 @@ class Sources:
         """(N, 3) nodal displacements."""
         if "displacement" not in self.ds:
             raise InputError("the result holds no displacement: nothing can be measured without it")
-        return self._nodal("displacement", t)
+        return self.nodal("displacement", t)
 
-    def _nodal(self, name: str, t: int) -> Floats:
+    def nodal(self, name: str, t: int) -> Floats:
         """(N, ...) nodal values; those of the last time are kept."""
         if name not in self._frames or self._frames[name][0] != t:
             self._frames[name] = t, np.asarray(self.ds[name][t].values, dtype=float)
@@ -153,6 +156,53 @@ class Sources:
         )
         return None
 
+    def point_flux(self, group: Group) -> PointFlux | None:
+        """Darcy's flux at the integration points; :meth:`dry` where the material carries no fluid."""
+        what, spec = "mass_exchange_rate", self.parts.get(group.material)
+        if spec is not None and spec.child("permeability") is None:
+            return self.dry
+        if spec is not None and spec.type == "biphasic" and not self._driven(spec):
+            law = self._permeability(group)
+            if law is not None:
+                self.notes.add(
+                    what,
+                    "-K grad p at the integration points from displacement, effective fluid pressure and the "
+                    "model's permeability",
+                )
+                return self._flux(group, law)
+        self.notes.add(
+            what,
+            "missing: consistent exchange needs the effective fluid pressure and a model whose materials around "
+            "the cells are biphasic, without body forces on the fluid",
+        )
+        return None
+
+    @staticmethod
+    def dry(state: State, t: int) -> Floats:
+        """No flux."""
+        return np.zeros((3, *state.J.shape))
+
+    def _driven(self, spec: Component) -> bool:
+        """True where body loads act on the fluid of a biphasic material."""
+        density = spec.child("fluid_density")
+        if self.model is None or density is None or density.text.strip() in ("", "0", "0.0"):
+            return False
+        steps = (self.model.common, *self.model.steps)
+        return any(c.tag == "body_load" for step in steps for c in step.loads)
+
+    def supply(self, group: Group) -> PointSupply | None:
+        """Solvent supply at the integration points, None where the material has none."""
+        spec = self.parts.get(group.material)
+        if spec is None or spec.child("solvent_supply") is None or self.laws is None:
+            return None
+        law = self.laws.supply(group)
+        if law is None:
+            return None
+        times = np.asarray(self.ds["time"].values, dtype=float)
+        return lambda s, t: law(
+            s.F, s.J, group.at_points(self.nodal("effective_fluid_pressure", t)[group.nodes]), times[t]
+        )
+
     def element_flux(self, group: Group) -> Callable[[State, int], Floats] | None:
         """(3, e) element mean fluid flux."""
         law = self._permeability(group)
@@ -192,4 +242,4 @@ class Sources:
     def _flux(self, group: Group, law: materials.Permeability) -> Callable[[State, int], Floats]:
         """(3, g, e) Darcy flux at the points."""
         times = np.asarray(self.ds["time"].values, dtype=float)
-        return lambda s, t: darcy(group, s, self._nodal("effective_fluid_pressure", t), law, times[t])
+        return lambda s, t: darcy(group, s, self.nodal("effective_fluid_pressure", t), law, times[t])

@@ -129,7 +129,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         cell=_located(cell, path.parent, where),
         embedded=_located(_control(cell, embedded), path.parent, where),
         coupling=_table(t, "coupling", where),
-        measure=_table(t, "measure", where),
+        measure=_measure(_table(t, "measure", where), where),
         resources=_resources(_table(t, "run", where), where),
         keep=_keep(_table(t, "run", where), where),
     )
@@ -236,6 +236,18 @@ def _resources(t: Mapping[str, Any], where: Where) -> Resources:
     if unknown:
         raise InputError(f"unknown entry {sorted(unknown)[0]!r} in [run]", where)
     return Resources(int(t.get("threads", 1)), float(t.get("memory", 2.0)), int(t.get("workers", 0)))
+
+
+def _measure(t: dict[str, Any], where: Where) -> dict[str, Any]:
+    """What :func:`febkit.metrics.cell_metrics` is told beside the result and the model."""
+    known = {"cells": None, "density": None, "sides": ("both", "cell"), "exchange": ("nodal", "consistent")}
+    for name, value in t.items():
+        if name not in known:
+            raise InputError(f"unknown entry {name!r} in [measure]; it has {', '.join(known)}", where)
+        choices = known[name]
+        if choices is not None and value not in choices:
+            raise InputError(f"{name} of [measure] must be {' or '.join(choices)}, not {value!r}", where)
+    return t
 
 
 def _keep(t: Mapping[str, Any], where: Where) -> str:

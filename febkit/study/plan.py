@@ -86,8 +86,10 @@ def make_plan(study: Study) -> Plan:
 
 
 def _seeded(study: Study, table: Mapping[str, Any], j: int) -> Mapping[str, Any]:
+    """Parameters of a model with cells: with its seed, and with what the metrics need of febkit's own templates."""
     seed = study.seeds[j]
-    return table if seed is None else {**table, "seed": seed}
+    needs = study.measure.get("exchange") == "consistent" and "template" not in table
+    return ({"velocity": True} if needs else {}) | dict(table) | ({} if seed is None else {"seed": seed})
 
 
 def which(study: Study, point: int | None, seed: int) -> str:

@@ -39,6 +39,16 @@ def test_metrics_to_table_and_file(run):
     assert head.startswith("cell,time,aspect_ratio_change") and len(rows) == 3
 
 
+def test_consistent_exchange(run):
+    for method in ("nodal", "consistent"):
+        call("metrics", run / "cell.xplt", "--exchange", method, "-o", run / f"{method}.nc")
+    with xr.open_dataset(run / "nodal.nc") as a, xr.open_dataset(run / "consistent.nc") as b:
+        assert (a.mass_exchange_rate.attrs["exchange"], a.mass_exchange_rate.attrs["sides"]) == ("nodal", "both")
+        about = b.mass_exchange_rate.attrs
+        assert about["exchange"] == "consistent" and "Hughes" in about["source"]
+        assert abs(a.mass_exchange_rate - b.mass_exchange_rate)[0, -1] > 0
+
+
 def test_summary_and_fields(run):
     out = call("metrics", run / "cell.xplt", "-v", "stress:effective", "-p", "pcm_1", "--style", "csv")
     assert "pcm_1" in out

@@ -69,6 +69,7 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     ("[cell]\nseed = []", "seeds must be"), ("[cell]\nseed = [1, 1]", "twice"),
     ("[cell]\nseed = [true]", "whole numbers"), ("[cell]\nseed = [1]\nfile = 'x.feb'", "no file"),
     ("[cell]\nseed = [1]\n[embedded]\nresults = 'x.xplt'", "no results"),
+    ('[measure]\nexchange = "surface"', "nodal or consistent"), ("[measure]\nrho = 1", "rho"),
 ])
 def test_bad_studies_are_refused_clearly(tmp_path, entry, word):
     with pytest.raises(InputError, match=word) as e:
@@ -107,6 +108,15 @@ def test_addresses_follow_content(tmp_path):
     assert keys[0] == keys[1]
     (tmp_path / "c.feb").write_text("<b/>")
     assert set(plan_of(tmp_path, 'cell={file="c.feb"}').steps()) != keys[0]
+
+
+def test_consistent_exchange_has_velocities_written(tmp_path):
+    """The models with cells change, the tissue does not; nodal exchange, named or not, asks for nothing."""
+    nodal, own = (plan_of(tmp_path, "control=true", f'measure.exchange="{e}"') for e in ("nodal", "consistent"))
+    builds = {s.label: s.params["values"].get("velocity") for s in own.steps().values() if s.kind == "build"}
+    assert builds == {"A tissue: build": None, "cell: build": True, "A embedded: build": True}
+    assert set(plan_of(tmp_path).steps()) - {s.key for s in plan_of(tmp_path).metrics.values()} < set(nodal.steps())
+    assert all(s.params == {"exchange": "consistent"} for s in own.metrics.values())
 
 
 def test_seeds_share_the_tissue(tmp_path):
