@@ -232,8 +232,8 @@ class Run:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 self._restore(saved, newton)
-                if newton.stale:  # once more with a tangent of its own before the step is cut
-                    newton.force_reform = True
+                if newton.stale:  # once more with tangents of its own, in all stages, before the step is cut
+                    newton.force_reform, newton.leans = True, False
                     continue
                 fatal = _hopeless(e) or not self._again(newton, e)
                 how = "; again by guarded Newton steps" if newton.guarded and not fatal else ""
@@ -251,7 +251,7 @@ class Run:
             self.count += 1
             self.totals.steps += 1
             self.totals.guarded += newton.guarded
-            newton.guarded = False
+            newton.guarded, newton.leans = False, True
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
