@@ -211,7 +211,7 @@ class Run:
         o = self.step.newton
         loose = {n: min(getattr(o, n), self.options.accuracy) for n in ("dtol", "ptol") if getattr(o, n) > 0}
         newton.options = replace(o, **loose)
-        return SecondOrder(self.state, self.groups, newton)
+        return SecondOrder(self.state, self.groups, newton, self.options.accuracy)
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
@@ -246,7 +246,10 @@ class Run:
             if not good:
                 self._restore(saved, newton)
                 self.totals.retries += 1
-                self.tell("failed", "the step's error is too large", step.dt)
+                again = None if step.vanishing else step.dt
+                self.tell("failed", "the step's error is too large", again)
+                if again is None:
+                    return f"the error stays too large down to a step of {step.dt:g}, at time {s.time:g}"
                 continue
             self.count += 1
             self.totals.steps += 1

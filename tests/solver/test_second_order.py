@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from febkit.solver.problem import AutoStep, Problem
+from febkit.solver.newton import Counts, Newton, NotConverged
+from febkit.solver.problem import AutoStep, NewtonOptions, Problem
 from febkit.solver.run import Options, run
+from febkit.solver.second_order import SecondOrder
 from febkit.solver.solids.neo_hookean import NeoHookean
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -65,6 +67,46 @@ def test_the_error_asked_for(exact: Any) -> None:
     assert steps[1] < 3.2 * steps[0]  # order 2: ten times the accuracy at 2.2 times the steps
     plain = _error(_at_end(2 * steps[1], 0.0)[0], exact)
     assert errors[1] < 0.2 * plain
+
+
+def test_what_an_old_factorisation_does_not_serve_is_not_tried_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Second stages over old factorisations fail: the step is taken again, with factorisations of its own."""
+    failed, step = [], Newton.step
+
+    def failing(self: Newton) -> Counts:
+        second = not np.array_equal(self.system.state.d, self.system.state.d_old)
+        counts = step(self)
+        if second and self.stale:
+            failed.append(self.system.state.time)
+            assert len(set(failed)) == len(failed), f"tried in vain twice at {failed[-1]}"
+            raise NotConverged("the factorisation of an earlier step did not serve")
+        return counts
+
+    monkeypatch.setattr(Newton, "step", failing)
+    p = _column()
+    p.steps[0].newton = NewtonOptions(dtol=1e-4, ptol=1e-4)
+    result = run(p, options=Options(threads=1, factor="reuse", accuracy=1e9))
+    assert result.converged and failed, result.reason
+
+
+def test_an_error_that_does_not_fall_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SecondOrder, "_error", lambda *_: 1.0)
+    result = run(_column(), options=Options(threads=1, accuracy=1e-3))
+    assert not result.converged and "error stays too large" in result.reason
+
+
+def test_what_balance_is_left_does_not_add_up() -> None:
+    """Where a residual of FEBio's min_residual is no balance, tight steps go below it: errors are of time alone."""
+    ends = []
+    for least in (1e-16, 1e-30):
+        p = _column()
+        s = p.steps[0]
+        s.dt, s.auto, s.duration = END / 100, AutoStep(must_points=(END,)), END
+        s.newton.min_residual = least
+        result = run(p, options=Options(threads=1, accuracy=1e-5))
+        assert result.totals.retries < 10  # what is left is no error of time that smaller steps were to mend
+        ends.append(result.state.d)
+    assert _error(ends[0], ends[1]) < 5e-5
 
 
 def test_refused_where_it_has_no_meaning() -> None:
