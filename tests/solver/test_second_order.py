@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +12,11 @@ import numpy as np
 import pytest
 
 from febkit.solver.newton import Counts, Newton, NotConverged
-from febkit.solver.problem import AutoStep, NewtonOptions, Problem
+from febkit.solver.problem import AutoStep, NewtonOptions, Prescribed, Problem
 from febkit.solver.run import Options, run
 from febkit.solver.second_order import SecondOrder
 from febkit.solver.solids.neo_hookean import NeoHookean
+from febkit.solver.values import Constant, Scaled
 
 sys.path.insert(0, str(Path(__file__).parent))
 import scenes
@@ -87,6 +90,24 @@ def test_what_an_old_factorisation_does_not_serve_is_not_tried_for_ever(monkeypa
     p.steps[0].newton = NewtonOptions(dtol=1e-4, ptol=1e-4)
     result = run(p, options=Options(threads=1, factor="reuse", accuracy=1e9))
     assert result.converged and failed, result.reason
+
+
+def test_what_the_last_step_left_wrong_is_no_error_of_the_next() -> None:
+    """Pressures put right as a step starts look like an error that no cut lessens; the step is taken all the same."""
+    ends = {}
+    for accuracy in (1e-6, 1e-5, 1e-4):
+        p = _column()
+        s = p.steps[0]
+        top = next(c for c in s.conditions if isinstance(c, Prescribed))
+        curved = replace(top, value=Scaled(Constant(-0.1), lambda t: 1.0 - math.exp(-t / 0.3)))
+        s.conditions = [curved if c is top else c for c in s.conditions]
+        s.dt, s.auto, s.duration = 0.002, AutoStep(must_points=(0.01, 0.02, 0.05, 0.1, 0.2, 0.3, END)), END
+        result = run(p, options=Options(threads=1, accuracy=accuracy))
+        assert result.converged, result.reason
+        ends[accuracy] = result.state.d
+    for a in (1e-4, 1e-5):
+        off, size = (ends[a] - ends[1e-6])[:, 2], ends[1e-6][:, 2]
+        assert np.linalg.norm(off) < a * np.linalg.norm(size)
 
 
 def test_an_error_that_does_not_fall_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
