@@ -91,6 +91,7 @@ class Newton:
         self._left = np.inf  # last increment over the one allowed
         self._renewed = False  # the present step began with an old factorisation, and made one of its own
         self.force_reform = True
+        self.leans = True  # False while a step is tried again for which an old factorisation did not serve
         self.guarded = False  # the present step is solved by guarded Newton steps (:mod:`.guarded`)
         eqs = system.eqs
         self.rows, self.given = eqs.rows, eqs.given
@@ -151,7 +152,8 @@ class Newton:
             return self.residual() + Fd, None
         A, Fd = self.tangent(du)
         R0, dt = self.residual() + Fd, self.system.state.dt
-        kept = None if self.force_reform or self._calm < CALM else self.inverse.near(dt)
+        fresh = self.force_reform or not self.leans or self._calm < CALM
+        kept = None if fresh else self.inverse.near(dt)
         if kept is not None:
             u, z = R0.copy(), R0.copy()
             first, z[self.rows] = self.inverse.lean_on(kept, A, dt, R0[self.rows])

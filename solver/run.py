@@ -211,7 +211,7 @@ class Run:
         o = self.step.newton
         loose = {n: min(getattr(o, n), self.options.accuracy) for n in ("dtol", "ptol") if getattr(o, n) > 0}
         newton.options = replace(o, **loose)
-        return SecondOrder(self.state, self.groups, newton)
+        return SecondOrder(self.state, self.groups, newton, self.options.accuracy)
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
@@ -232,8 +232,8 @@ class Run:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 self._restore(saved, newton)
-                if newton.stale:  # once more with a tangent of its own before the step is cut
-                    newton.force_reform = True
+                if newton.stale:  # once more with tangents of its own, in all stages, before the step is cut
+                    newton.force_reform, newton.leans = True, False
                     continue
                 fatal = _hopeless(e) or not self._again(newton, e)
                 how = "; again by guarded Newton steps" if newton.guarded and not fatal else ""
@@ -246,12 +246,15 @@ class Run:
             if not good:
                 self._restore(saved, newton)
                 self.totals.retries += 1
-                self.tell("failed", "the step's error is too large", step.dt)
+                again = None if step.vanishing else step.dt
+                self.tell("failed", "the step's error is too large", again)
+                if again is None:
+                    return f"the error stays too large down to a step of {step.dt:g}, at time {s.time:g}"
                 continue
             self.count += 1
             self.totals.steps += 1
             self.totals.guarded += newton.guarded
-            newton.guarded = False
+            newton.guarded, newton.leans = False, True
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large

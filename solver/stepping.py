@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 from .problem import AutoStep, Step
 
@@ -147,6 +147,8 @@ class ErrorSteps(AutoSteps):
         auto = step.auto or AutoStep(must_points=tuple(start + step.dt * (i + 1) for i in range(step.count)))
         super().__init__(step, start, auto)
         self.accuracy = accuracy
+        self._last = 1.0, inf  # size and error of the last try that failed
+        self._stalls = 0
 
     def _grown(self, error: float) -> float:
         return min(2.0, max(0.2, 0.9 * (self.accuracy / max(error, 1e-30)) ** (1 / 3)))
@@ -166,13 +168,25 @@ class ErrorSteps(AutoSteps):
 
     def judge(self, error: float) -> bool:
         """Is a step of the present size with this error good? The size of the next one, or of another try, is set."""
-        good, tried = error <= 1.2 * self.accuracy, self.dt
-        size = tried * self._grown(error)
-        if good:
+        small, tried = error <= 1.2 * self.accuracy, self.dt
+        size = tried * self._grown(error) if small else tried
+        if small or self._stalled(error):
             self._base = max(self._base, size) if tried < 0.99 * self._base and size > tried else size
-        else:
-            self._again(min(size, 0.5 * tried))
-        return good
+            self._last, self._stalls = (1.0, inf), 0
+            return True
+        self._again(min(tried * self._grown(error), 0.5 * tried))
+        return False
+
+    def _stalled(self, error: float) -> bool:
+        """Has the error hardly fallen (less than dt^(1/4)) over the last two cuts of this step?
+
+        Then it is none of the step: pressures follow prescribed rates and displacements at once, so that what the last
+        step left wrong of them is put right at the start of the next, however small that is.
+        """
+        dt, before = self._last
+        self._stalls = self._stalls + 1 if error > before * (self.dt / dt) ** 0.25 else 0
+        self._last = self.dt, error
+        return self._stalls >= 2
 
     def retry(self) -> bool:
         if self.retries >= 20:

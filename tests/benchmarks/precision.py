@@ -2,17 +2,20 @@
 
     python tests/benchmarks/precision.py confined [-o picture.png]
     python tests/benchmarks/precision.py tissue15_B [--models ../shared/oracle/bench] [-o picture.png]
+    python tests/benchmarks/precision.py cell_small --tight 1e-5 --finer 1 2 4 \\
+        --accuracies 1e-2 3e-3 1e-3 3e-4 1e-4 [-o picture.png]
 
 ``confined``: ramp and hold of a confined column against the series of Mow et al. (1980), error of the reaction.
 Others: a model of the benchmark folder on its own mesh against a solution of the same mesh by second-order steps of a
-small error (--tight), which FEBio's stored run is measured against as well. Errors are the largest relative L2 errors
-of u and p over the stored times.
+small error (--tight), which FEBio's stored run is measured against as well; the file's steps are divided by --finer.
+Errors are the largest relative L2 errors of u and p over the stored times.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import tempfile
 import time
@@ -66,25 +69,34 @@ def confined() -> list[Row]:
     return rows
 
 
-def model(folder: Path, name: str, tight: float, threads: int) -> list[Row]:
-    """The file's steps (fresh and kept factorisations), second-order steps, and FEBio's recorded run."""
+def model(folder: Path, name: str, tight: float, threads: int, finer: list[int], accuracies: list[float]) -> list[Row]:
+    """The file's steps (fresh and kept factorisations, divided), second-order steps, and FEBio's recorded run."""
     import febkit
+    from febkit.lower import lower
+    from febkit.output.plotfile import PlotListener
+    from febkit.solver.run import Options, run
 
     m = febkit.read(folder / "models" / f"{name}.feb")
     stored = np.load(folder / "reference" / f"{name}.npz")
     times = stored["times"]
 
-    def solve(**options: Any) -> tuple[int, float, Any, Any]:
+    def solve(divided: int = 1, **options: Any) -> tuple[int, float, Any, Any]:
+        problem = lower(m)
+        divide(problem, divided)
         with tempfile.TemporaryDirectory() as out:
             plot = Path(out) / "run.xplt"
             start = time.perf_counter()
-            r = febkit.solve(m, plotfile=plot, threads=threads, **options)
+            r = run(problem, [PlotListener(m, plot, warnings.warn)], Options(threads=threads, **options))
             seconds = time.perf_counter() - start
             assert r.converged, r.reason
             ds = febkit.open_results(plot)
             at = [int(np.argmin(np.abs(ds["time"].values - t))) for t in times]
+            assert np.allclose(ds["time"].values[at], times)
             u, p = (ds[v].values[at] for v in ("displacement", "effective_fluid_pressure"))
-        return r.totals.steps, seconds, u, np.nan_to_num(p)
+        t = r.totals
+        print(f"{options} / {divided}: {t.steps} steps, {t.retries} retries, {t.iterations} iterations, "
+              f"{t.reforms} factorisations, {seconds:.1f} s", file=sys.stderr, flush=True)  # fmt: skip
+        return t.steps, seconds, u, np.nan_to_num(p)
 
     _, _, u0, p0 = solve(accuracy=tight)
 
@@ -97,10 +109,23 @@ def model(folder: Path, name: str, tight: float, threads: int) -> list[Row]:
 
     known = json.loads((folder / "febio.json").read_text())[name]
     rows = [row("FEBio, recorded", known["steps"], known["seconds"], stored["u"], stored["p"])]
-    rows.append(row("FEBio's steps", *solve(factor="fresh")))
-    rows.append(row("FEBio's steps, factorisations kept", *solve()))
-    rows += [row(f"second order, {a:g}", *solve(accuracy=a)) for a in ACCURACIES if a > tight]
+    for k in finer:
+        steps = "FEBio's steps" if k == 1 else f"FEBio's steps / {k}"
+        rows.append(row(steps, *solve(k, factor="fresh")))
+        rows.append(row(f"{steps}, factorisations kept", *solve(k)))
+    rows += [row(f"second order, {a:g}", *solve(accuracy=a)) for a in accuracies if a > tight]
     return rows
+
+
+def divide(problem: Any, by: int) -> None:
+    """Divide the step sizes of FEBio's time stepper; must points stay."""
+    for s in problem.steps:
+        if by > 1 and s.auto is not None:
+            s.duration = s.duration or s.dt * s.count
+            largest = s.auto.dtmax_curve
+            s.dt, s.auto.dtmin, s.auto.dtmax = s.dt / by, s.auto.dtmin / by, s.auto.dtmax / by
+            if largest is not None:
+                s.auto.dtmax_curve = lambda t, f=largest: f(t) / by
 
 
 def draw(rows: list[Row], title: str, out: Path) -> None:
@@ -113,7 +138,8 @@ def draw(rows: list[Row], title: str, out: Path) -> None:
     fig, ax = plt.subplots(figsize=(7, 4.5))
     families: dict[str, list[Row]] = {}
     for r in rows:
-        families.setdefault(r[0].rsplit(", ", 1)[0] if r[0].startswith("second") else r[0], []).append(r)
+        name = r[0].rsplit(", ", 1)[0] if r[0].startswith("second") else re.sub(" / [0-9]+", "", r[0])
+        families.setdefault(name, []).append(r)
     mesh = {n: n.split(",")[0] if "elements" in n else n for n in families}  # one colour for a mesh, else for a route
     colours = {m: f"C{i}" for i, m in enumerate(dict.fromkeys(mesh.values()))}
     for name, some in families.items():
@@ -133,11 +159,13 @@ def main() -> None:
     ap.add_argument("scene")
     ap.add_argument("--models", type=Path, default=DEFAULT)
     ap.add_argument("--tight", type=float, default=3e-5)
+    ap.add_argument("--finer", type=int, nargs="+", default=[1])
+    ap.add_argument("--accuracies", type=float, nargs="+", default=ACCURACIES)
     ap.add_argument("--threads", type=int, default=2)
     ap.add_argument("-o", "--output", type=Path)
     a = ap.parse_args()
     warnings.simplefilter("ignore")
-    rows = confined() if a.scene == "confined" else model(a.models, a.scene, a.tight, a.threads)
+    rows = confined() if a.scene == "confined" else model(a.models, a.scene, a.tight, a.threads, a.finer, a.accuracies)
     print("| route | steps | seconds | error of u or the reaction | error of p |\n|---|---|---|---|---|")
     for route, steps, seconds, eu, ep in rows:
         print(f"| {route} | {steps} | {seconds:.2f} | {eu:.1e} | {ep:.1e} |")

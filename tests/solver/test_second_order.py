@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from febkit.solver.problem import AutoStep, Problem
+from febkit.solver.newton import Counts, Newton, NotConverged
+from febkit.solver.problem import AutoStep, NewtonOptions, Prescribed, Problem
 from febkit.solver.run import Options, run
+from febkit.solver.second_order import SecondOrder
 from febkit.solver.solids.neo_hookean import NeoHookean
+from febkit.solver.values import Constant, Scaled
 
 sys.path.insert(0, str(Path(__file__).parent))
 import scenes
@@ -65,6 +70,64 @@ def test_the_error_asked_for(exact: Any) -> None:
     assert steps[1] < 3.2 * steps[0]  # order 2: ten times the accuracy at 2.2 times the steps
     plain = _error(_at_end(2 * steps[1], 0.0)[0], exact)
     assert errors[1] < 0.2 * plain
+
+
+def test_what_an_old_factorisation_does_not_serve_is_not_tried_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Second stages over old factorisations fail: the step is taken again, with factorisations of its own."""
+    failed, step = [], Newton.step
+
+    def failing(self: Newton) -> Counts:
+        second = not np.array_equal(self.system.state.d, self.system.state.d_old)
+        counts = step(self)
+        if second and self.stale:
+            failed.append(self.system.state.time)
+            assert len(set(failed)) == len(failed), f"tried in vain twice at {failed[-1]}"
+            raise NotConverged("the factorisation of an earlier step did not serve")
+        return counts
+
+    monkeypatch.setattr(Newton, "step", failing)
+    p = _column()
+    p.steps[0].newton = NewtonOptions(dtol=1e-4, ptol=1e-4)
+    result = run(p, options=Options(threads=1, factor="reuse", accuracy=1e9))
+    assert result.converged and failed, result.reason
+
+
+def test_what_the_last_step_left_wrong_is_no_error_of_the_next() -> None:
+    """Pressures put right as a step starts look like an error that no cut lessens; the step is taken all the same."""
+    ends = {}
+    for accuracy in (1e-6, 1e-5, 1e-4):
+        p = _column()
+        s = p.steps[0]
+        top = next(c for c in s.conditions if isinstance(c, Prescribed))
+        curved = replace(top, value=Scaled(Constant(-0.1), lambda t: 1.0 - math.exp(-t / 0.3)))
+        s.conditions = [curved if c is top else c for c in s.conditions]
+        s.dt, s.auto, s.duration = 0.002, AutoStep(must_points=(0.01, 0.02, 0.05, 0.1, 0.2, 0.3, END)), END
+        result = run(p, options=Options(threads=1, accuracy=accuracy))
+        assert result.converged, result.reason
+        ends[accuracy] = result.state.d
+    for a in (1e-4, 1e-5):
+        off, size = (ends[a] - ends[1e-6])[:, 2], ends[1e-6][:, 2]
+        assert np.linalg.norm(off) < a * np.linalg.norm(size)
+
+
+def test_an_error_that_does_not_fall_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SecondOrder, "_error", lambda *_: 1.0)
+    result = run(_column(), options=Options(threads=1, accuracy=1e-3))
+    assert not result.converged and "error stays too large" in result.reason
+
+
+def test_what_balance_is_left_does_not_add_up() -> None:
+    """Where a residual of FEBio's min_residual is no balance, tight steps go below it: errors are of time alone."""
+    ends = []
+    for least in (1e-16, 1e-30):
+        p = _column()
+        s = p.steps[0]
+        s.dt, s.auto, s.duration = END / 100, AutoStep(must_points=(END,)), END
+        s.newton.min_residual = least
+        result = run(p, options=Options(threads=1, accuracy=1e-5))
+        assert result.totals.retries < 10  # what is left is no error of time that smaller steps were to mend
+        ends.append(result.state.d)
+    assert _error(ends[0], ends[1]) < 5e-5
 
 
 def test_refused_where_it_has_no_meaning() -> None:
