@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .system import System
 
 Floats = NDArray[np.float64]
-LEAST = 1e-6  # of a block's largest modulus: the least that stands in a denominator
+LEAST = 0.1  # of a block's median modulus: strained points may be softer, or not stiff at all
 
 
 def layout(system: System) -> Layout:
@@ -49,7 +49,7 @@ def storage(system: System, nodes: NDArray[np.int64]) -> Any:
 def aggregate(g: Group, state: State) -> Floats:
     """Mean of the three uniaxial moduli (m, g) of a block at the present state."""
     H = np.concatenate([_moduli(g, c, state) for c in g.chunks]).reshape(g.m, g.g)
-    return np.maximum(H, LEAST * max(float(np.abs(H).max()), 1e-300))
+    return np.maximum(H, np.maximum(LEAST * np.median(H), 1e-300))
 
 
 def _moduli(g: Group, c: Chunk, state: State) -> Floats:

@@ -17,7 +17,7 @@ from .amg import Multigrid, require, rigid_modes
 from .base import Floats, Layout, Matrix, Stalled
 from .krylov import fgmres, matvec
 
-TOLERANCE = 1e-6  # of a solve, in units in which the preconditioner's diagonal is one
+TOLERANCE = 1e-4  # of a solve, in units in which the preconditioner's diagonal is one
 USABLE = 1e-3  # a residual from which Newton's iteration goes on where TOLERANCE was not reached
 RESTART, MOST = 60, 300
 STRENGTH = 0.0  # couplings weaker than this (of the diagonal) do not form aggregates
