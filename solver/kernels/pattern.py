@@ -126,7 +126,10 @@ def holds(first, nbr, conn, upper):
 
 @kernel
 def scatter(lo, hi, K, conn, back, row, given, lead, indptr, data, step, Fd, upper):
-    """Add element matrices K (hi - lo, c n, c n), component-major, of elements lo:hi; see :func:`scatter_upper`."""
+    """Add element matrices K (hi - lo, c n, c n), component-major, of elements lo:hi; see :func:`scatter_upper`.
+
+    ``upper``: the mirror image of their lower triangle, which is what FEBio keeps of matrices that are not symmetric.
+    """
     n = conn.shape[1]
     nc = K.shape[1] // n
     for e in range(lo, hi):
@@ -144,8 +147,10 @@ def scatter(lo, hi, K, conn, back, row, given, lead, indptr, data, step, Fd, upp
                     base = end - back[e, a, b] - lead[nb]
                     for j in range(nc):
                         c = row[nb, j]
-                        if c >= r or (c >= 0 and not upper):
+                        if c >= 0 and not upper:
                             data[base + c] += values[j * n + b]
+                        elif c >= r:
+                            data[base + c] += M[j * n + b, i * n + a]
                         elif c < 0 and given[nb, j] >= 0:
                             Fd[r] -= values[j * n + b] * step[given[nb, j]]
 
@@ -233,7 +238,7 @@ def _add_pair(k, nc, na, nb, far, row, given, indptr, data, step, Fd):
 
 @kernel
 def scatter_any(K, dofs, free, indptr, indices, data, step, Fd, upper):
-    """Add matrices K (m, d, d) with equations dofs (m, d; -1 for none) by search in the rows."""
+    """Add matrices K (m, d, d) with equations dofs (m, d; -1 for none) by search in the rows; see :func:`scatter`."""
     for e in range(K.shape[0]):
         for i in range(K.shape[1]):
             qr = dofs[e, i]
@@ -250,12 +255,15 @@ def scatter_any(K, dofs, free, indptr, indices, data, step, Fd, upper):
                 if c < 0:
                     Fd[qr] -= K[e, i, j] * step[qc]
                     continue
-                if upper and c < r:
-                    continue
-                lo, hi = indptr[r], indptr[r + 1]
+                at, to = r, c
+                if upper:
+                    if c > r:
+                        continue
+                    at, to = c, r
+                lo, hi = indptr[at], indptr[at + 1]
                 while lo < hi:
                     mid = (lo + hi) >> 1
-                    if indices[mid] < c:
+                    if indices[mid] < to:
                         lo = mid + 1
                     else:
                         hi = mid

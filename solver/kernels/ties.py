@@ -42,12 +42,15 @@ def scatter(K, nodes, columns, ptr, master, wf, wu, eq, width, free, indptr, ind
                         if c < 0:
                             Fd[qr] -= x * step[qc]
                             continue
-                        if upper and c < r:
-                            continue
-                        lo, hi = indptr[r], indptr[r + 1]
+                        at, to = r, c
+                        if upper:
+                            if c > r:
+                                continue
+                            at, to = c, r
+                        lo, hi = indptr[at], indptr[at + 1]
                         while lo < hi:
                             mid = (lo + hi) >> 1
-                            if indices[mid] < c:
+                            if indices[mid] < to:
                                 lo = mid + 1
                             else:
                                 hi = mid
