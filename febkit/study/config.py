@@ -240,7 +240,9 @@ def _resources(t: Mapping[str, Any], where: Where) -> Resources:
 
 def _measure(t: dict[str, Any], where: Where) -> dict[str, Any]:
     """What :func:`febkit.metrics.cell_metrics` is told beside the result and the model."""
-    known = {"cells": None, "density": None, "sides": ("both", "cell"), "exchange": ("nodal", "consistent")}
+    from febkit.metrics.exchange import METHODS, SIDES
+
+    known = {"cells": None, "density": None, "sides": SIDES, "exchange": METHODS}
     for name, value in t.items():
         if name not in known:
             raise InputError(f"unknown entry {name!r} in [measure]; it has {', '.join(known)}", where)

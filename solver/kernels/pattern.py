@@ -237,6 +237,25 @@ def _add_pair(k, nc, na, nb, far, row, given, indptr, data, step, Fd):
 
 
 @kernel
+def enter(indptr, indices, data, r, c, value, upper):
+    """Add a value at row r, column c; above the diagonal it is left out where the storage is ``upper``: see
+    :func:`scatter`."""
+    at, to = r, c
+    if upper:
+        if c > r:
+            return
+        at, to = c, r
+    lo, hi = indptr[at], indptr[at + 1]
+    while lo < hi:
+        mid = (lo + hi) >> 1
+        if indices[mid] < to:
+            lo = mid + 1
+        else:
+            hi = mid
+    data[lo] += value
+
+
+@kernel
 def scatter_any(K, dofs, free, indptr, indices, data, step, Fd, upper):
     """Add matrices K (m, d, d) with equations dofs (m, d; -1 for none) by search in the rows; see :func:`scatter`."""
     for e in range(K.shape[0]):
@@ -255,16 +274,4 @@ def scatter_any(K, dofs, free, indptr, indices, data, step, Fd, upper):
                 if c < 0:
                     Fd[qr] -= K[e, i, j] * step[qc]
                     continue
-                at, to = r, c
-                if upper:
-                    if c > r:
-                        continue
-                    at, to = c, r
-                lo, hi = indptr[at], indptr[at + 1]
-                while lo < hi:
-                    mid = (lo + hi) >> 1
-                    if indices[mid] < to:
-                        lo = mid + 1
-                    else:
-                        hi = mid
-                data[lo] += K[e, i, j]
+                enter(indptr, indices, data, r, c, K[e, i, j], upper)

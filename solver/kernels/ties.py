@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..jit import kernel
+from .pattern import enter
 
 
 @kernel
@@ -42,16 +43,4 @@ def scatter(K, nodes, columns, ptr, master, wf, wu, eq, width, free, indptr, ind
                         if c < 0:
                             Fd[qr] -= x * step[qc]
                             continue
-                        at, to = r, c
-                        if upper:
-                            if c > r:
-                                continue
-                            at, to = c, r
-                        lo, hi = indptr[at], indptr[at + 1]
-                        while lo < hi:
-                            mid = (lo + hi) >> 1
-                            if indices[mid] < to:
-                                lo = mid + 1
-                            else:
-                                hi = mid
-                        data[lo] += x
+                        enter(indptr, indices, data, r, c, x, upper)
