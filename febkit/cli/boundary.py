@@ -1,4 +1,4 @@
-"""``febkit boundary``: hand a tissue's motion and pressure to a cell model's surface."""
+"""``febkit boundary``: hand a tissue's motion, pressure and concentrations to a cell model's surface."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ class Options:
 
     order: int | None
     fluid_order: int | None
+    solute_order: int | None
     recovery: str | None
     overlay: bool
     rigid: str
@@ -43,6 +44,8 @@ class Options:
 @click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
 @click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: that of the "
               "displacement, at most 2].")
+@click.option("--solute-order", type=click.IntRange(0, 3), help="Order of the concentrations [default: that of "
+              "the pressure].")
 @click.option("--recovery", type=click.Choice(["patches", "polynomial", "element"]), help="How derivatives "
               "are found: superconvergent patch recovery [default]; a least-squares polynomial on the patch "
               "around the point; or the element's own (no pure second derivatives in a linear brick).")
@@ -67,7 +70,7 @@ class Options:
               "before its ending [default: CELL_driven.feb].")
 def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path | None, times: str | None,
             dataset: Path | None, output: Path | None, **rest: Any) -> None:
-    """Drive the surface of CELL (.feb) by SOURCE: a solved tissue (.xplt, .nc) or F(t), p(t) (.csv, .nc).
+    """Drive the surface of CELL (.feb) by SOURCE: a solved tissue (.xplt, .nc) or F(t), p(t), c(t) (.csv, .nc).
 
     \b
     febkit boundary tissue.xplt cell.feb --at 0,0,0 --order 2 -o driven.feb
@@ -137,7 +140,7 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     places, names = _places(at, points)
     if options.overlay:
         return field, None
-    order = max(2 if options.order is None else options.order, options.fluid_order or 0)
+    order = max(2 if options.order is None else options.order, options.fluid_order or 0, options.solute_order or 0)
     return field, series(field, places, order=order, names=names, recovery=options.recovery, beyond=True)
 
 
@@ -202,13 +205,14 @@ def _numbers(text: str, option: str, count: int | None = None) -> Any:
 def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,
                options: Options, path: Path) -> None:
     """Writes one driven model or section, and says what was found."""
-    from febkit.coupling import check, drive, write, write_section
+    from febkit.coupling import check, drive, with_solutes, write, write_section
 
     nodes = _nodes(model, options.node_set)
     X = model.mesh.X[nodes]
     given = _handoff(X, tissue, driving, point, place, options)
     if not options.pressure:
         given = given.without_pressure()
+    given = with_solutes(given, model)
     found = check(given, driving, point)
     for line in found.lines:
         click.echo(f"  {line}")
@@ -245,8 +249,8 @@ def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: in
         assert tissue is not None
         return overlay(tissue, X, place, rigid=options.rigid, origin=origin)
     order = min(2, orders(driving)[0]) if options.order is None else options.order
-    return handoff(driving, X, point=point, order=order, fluid_order=options.fluid_order, rigid=options.rigid,
-                   origin=origin)
+    return handoff(driving, X, point=point, order=order, fluid_order=options.fluid_order,
+                   solute_order=options.solute_order, rigid=options.rigid, origin=origin)
 
 
 def _nodes(model: Model, node_set: str | None) -> Any:

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .boundary import Driven, drive, write, write_section
+    from .boundary import Driven, drive, with_solutes, write, write_section
     from .checks import Checks, check
     from .driving import checked, read_driving, read_points
     from .field import Field, from_dataset, from_mesh
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 # public name -> module; imported when first used, so that the command line starts fast
 _HOME = {
-    "Driven": "boundary", "drive": "boundary", "write": "boundary", "write_section": "boundary",
+    "Driven": "boundary", "drive": "boundary", "with_solutes": "boundary", "write": "boundary",
+    "write_section": "boundary",
     "Checks": "checks", "check": "checks", "checked": "driving", "read_driving": "driving",
     "read_points": "driving", "Field": "field", "from_dataset": "field", "from_mesh": "field",
     "Handoff": "histories", "handoff": "histories", "overlay": "histories", "surface_nodes": "histories",
@@ -25,7 +26,7 @@ _HOME = {
 
 __all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "checked", "drive", "from_dataset",
            "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "series",
-           "surface_nodes", "write", "write_section"]
+           "surface_nodes", "with_solutes", "write", "write_section"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,8 @@
 """A hand-off as boundary conditions: a cell model driven by it, or a .feb section, in 4.0, 3.0 and 2.5.
 
-Forms: "math" and "parameters" (see :mod:`.formula`) carry a series in four conditions; "curves" has one load
-curve per node and degree of freedom, which every version reads and an overlay needs. "auto" takes the
-shortest that the version and FEBio's parser can hold.
+Forms: "math" and "parameters" (see :mod:`.formula`) carry a series in four conditions and one for each solute;
+"curves" has one load curve per node and degree of freedom, which every version reads and an overlay needs. "auto"
+takes the shortest that the version and FEBio's parser can hold.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ VERSIONS = ("4.0", "3.0", "2.5")
 _MOTION = {"zero displacement", "prescribed displacement", "fix", "prescribe", "normal displacement",
            "prescribed deformation", "prescribed deformation 2O"}
 _PRESSURE = {"zero fluid pressure", "prescribed fluid pressure", "fluid pressure"}
+_CONCENTRATION = {"zero concentration", "prescribed concentration"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,11 +73,13 @@ def pick_form(form: str, given: Handoff, version: str) -> str:
 
 
 def _components(given: Handoff) -> list[tuple[str, Floats]]:
-    """("x", (t, terms)), ("y", ...), ("z", ...) and, where there is pressure, ("p", ...)."""
+    """("x", (t, terms)), ("y", ...), ("z", ...) and, where they are handed off, ("p", ...), ("c1", ...), ..."""
     assert given.motion is not None
     out = [(d, given.motion[:, :, k]) for k, d in enumerate("xyz")]
     if given.fluid is not None:
         out.append(("p", given.fluid))
+    if given.concentration is not None:
+        out += [(f"c{n}", given.concentration[:, :, k]) for k, n in enumerate(given.solute_ids)]
     return out
 
 
@@ -84,14 +87,17 @@ def drive(model: Model, given: Handoff, nodes: Ints, *, node_set: str | None = N
           version: str = "4.0", must_points: bool = True) -> Driven:
     """The cell model driven on ``nodes`` (0-based, in the order of ``given.X``) by a hand-off.
 
-    Conditions on displacement or pressure that lie on these nodes are replaced; one that reaches beyond them
-    is an InputError. Time steppers get must points at the hand-off's times.
+    Solutes go by name: each of the cell model's needs one in the driving data. Conditions on what is handed off that
+    lie on these nodes are replaced; one that reaches beyond them is an InputError. Time steppers get must points at
+    the hand-off's times.
     """
-    form = pick_form(form, given, version)
-    if given.wet and model.module not in ("biphasic", "biphasic-FSI", "multiphasic", "solute"):
+    mixture = model.module in ("biphasic", "biphasic-FSI", "multiphasic", "solute")
+    if given.wet and not mixture:
         given = given.without_pressure()
+    given = with_solutes(given, model)
+    form = pick_form(form, given, version)
     name, model, said = _named_set(model, nodes, node_set)
-    model, gone = _without_old(model, nodes, given.wet)
+    model, gone = _without_old(model, nodes, given)
     said += gone
     if must_points:
         model, told = _with_must_points(model, given.times)
@@ -119,20 +125,43 @@ def _named_set(model: Model, nodes: Ints, wanted: str | None) -> tuple[str, Mode
     return name, replace(model, mesh=mesh), [f'added the node set "{name}" with {len(nodes)} nodes']
 
 
-def _without_old(model: Model, nodes: Ints, wet: bool) -> tuple[Model, list[str]]:
+def with_solutes(given: Handoff, model: Model) -> Handoff:
+    """The hand-off with the solutes of a cell model, in its order and by its ids (dofs c1, c2, ...).
+
+    Driving data without concentrations drive motion and pressure alone. Raises InputError where they hold some solutes
+    but not all that the cell model has.
+    """
+    if model.module not in ("multiphasic", "solute") or not given.solutes:
+        return given.of_solutes(())
+    ids = solute_ids(model)
+    return replace(given.of_solutes(list(ids)), solute_ids=tuple(ids.values()))
+
+
+def solute_ids(model: Model) -> dict[str, int]:
+    """Ids of a model's solutes by name, as its <Globals> have them."""
+    found: dict[str, int] = {}
+    for section in model.unknown:
+        for table in section.all("Solutes"):
+            for k, s in enumerate(table.all("solute"), 1):
+                found[s.name or f"solute {s.id or k}"] = s.id or k
+    return found
+
+
+def _without_old(model: Model, nodes: Ints, given: Handoff) -> tuple[Model, list[str]]:
     """The model without the conditions that the hand-off takes the place of."""
     said: list[str] = []
 
     def kept(step: Step) -> Step:
-        left = [c for c in step.boundary if not _replaced(model, c, nodes, wet, said)]
+        left = [c for c in step.boundary if not _replaced(model, c, nodes, given, said)]
         return step if len(left) == len(step.boundary) else replace(step, boundary=tuple(left))
 
     return replace(model, common=kept(model.common), steps=tuple(kept(s) for s in model.steps)), said
 
 
-def _replaced(model: Model, c: Component, nodes: Ints, wet: bool, said: list[str]) -> bool:
+def _replaced(model: Model, c: Component, nodes: Ints, given: Handoff, said: list[str]) -> bool:
     kind = c.type or ""
-    if kind not in _MOTION and not (wet and kind in _PRESSURE):
+    handed = kind in _MOTION or (given.wet and kind in _PRESSURE) or (bool(given.solutes) and kind in _CONCENTRATION)
+    if not handed:
         return False
     ref = c.attrs.get("node_set") or ("@surface:" + c.attrs["surface"] if "surface" in c.attrs else "")
     if not ref:
@@ -247,7 +276,7 @@ def _with_conditions(model: Model, given: Handoff, node_set: str, form: str) -> 
 
 
 def conditions_of(given: Handoff, node_set: str, form: str) -> tuple[list[Component], list[Reference]]:
-    """The four conditions of a series (4.0), and the histories they refer to."""
+    """The conditions of a series (4.0), one for each degree of freedom, and the histories they refer to."""
     out, references = [], []
     for dof, coefficient in _components(given):
         if form == "math":
@@ -257,9 +286,8 @@ def conditions_of(given: Handoff, node_set: str, form: str) -> tuple[list[Compon
             references += more
         value = Component("value", "math", text=text) if text != "0" else Component("value", text="0")
         still = Component("relative", text="0")
-        fluid = dof == "p"
-        kind = "prescribed fluid pressure" if fluid else "prescribed displacement"
-        parts = (value, still) if fluid else (Component("dof", text=dof), value, still)
+        parts = (value, still) if dof == "p" else (Component("dof", text=dof), value, still)
+        kind = f"prescribed {'fluid pressure' if dof == 'p' else 'concentration' if dof[0] == 'c' else 'displacement'}"
         out.append(Component("bc", kind, f"handoff {dof}", None, "", {"node_set": node_set}, parts))
     return out, references
 

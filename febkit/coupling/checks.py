@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .derivatives import COUNT, TERMS, monomials
 from .histories import Handoff, evaluate
-from .taylor import ELEMENT_NOTE, coefficients
+from .taylor import ELEMENT_NOTE, coefficients, orders
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +28,7 @@ class Checks:
     size_ratio: float | None  # longest edge of the cell model's box / edge of the tissue's element
     remainder_u: float | None  # estimated largest error of u on the surface / largest |u| there
     remainder_p: float | None  # the same of p, by the largest |p|
+    remainder_c: float | None  # the same of the concentrations: the worst solute
     lines: tuple[str, ...]
     problems: tuple[str, ...]
 
@@ -56,13 +57,18 @@ def check(given: Handoff, driving: xr.Dataset | None = None, point: int = 0) -> 
         if ratio > 2:
             problems.append(f"the cell model is {ratio:.2g} times as large as the tissue's element: "
                             "overlay may suit better")
-    rest_u, rest_p = remainder(given, driving, point)
+    rest_u, rest_p, rest_c = remainder(given, driving, point)
     if rest_u is not None:
         lines.append(f"order left out, displacement: {100 * rest_u:.3g} % of the largest on the surface")
     if rest_p is not None:
         lines.append(f"order left out, pressure: {100 * rest_p:.3g} % of the largest on the surface")
+    if rest_c is not None:
+        lines.append(f"order left out, concentrations: {100 * rest_c:.3g} % of the largest on the surface")
+    if given.c is not None and float(np.min(given.c)) < 0.0:
+        problems.append("a concentration turns negative on the surface: take a lower solute order, or a smaller cell "
+                        "model")
     lines += _about_recovery(given, driving, point)
-    return Checks(det_F, det_map, at, ratio, rest_u, rest_p, tuple(lines), tuple(problems))
+    return Checks(det_F, det_map, at, ratio, rest_u, rest_p, rest_c, tuple(lines), tuple(problems))
 
 
 def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> list[str]:
@@ -70,7 +76,7 @@ def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> l
     if driving is None or given.motion is None:
         return lines
     method = driving.attrs.get("recovery")
-    terms = max(given.motion.shape[1], 0 if given.fluid is None else given.fluid.shape[1])
+    terms = max(q.shape[1] for q in (given.motion, given.fluid, given.concentration) if q is not None)
     if method == "element" and terms > COUNT[1]:
         lines.append(ELEMENT_NOTE)
     elif method:
@@ -115,40 +121,43 @@ def _size_ratio(given: Handoff, driving: xr.Dataset | None, point: int) -> float
     return float(np.ptp(given.X, axis=0).max() / driving["element_size"].values[point])
 
 
-def remainder(given: Handoff, driving: xr.Dataset | None, point: int) -> tuple[float | None, float | None]:
-    """Estimated share of the displacement and the pressure that the series leaves out."""
+def remainder(
+    given: Handoff, driving: xr.Dataset | None, point: int
+) -> tuple[float | None, float | None, float | None]:
+    """Estimated share of displacement, pressure and concentrations (the worst one) that the series leaves out."""
     if driving is None or given.motion is None:
-        return None, None
-    n = COUNT.index(given.motion.shape[1])
-    k = None if given.fluid is None else COUNT.index(given.fluid.shape[1])
-    u = _left_out(given, driving, point, n, ("F", "G", "G3"), 0)
-    p = None if k is None else _left_out(given, driving, point, k, ("grad_p", "H", "H3"), 1)
-    return u, p
+        return None, None, None
+    known = orders(driving)
+    every = coefficients(driving, point, max(known[0], 1), max(known[1], 0), max(known[2], 0))
+    u = _left_out(every.u, given.offset, given.motion.shape[1], counts_first=False)
+    p = c = None
+    if given.fluid is not None and every.p is not None:
+        p = _left_out(every.p[..., None], given.offset, given.fluid.shape[1])
+    if given.concentration is not None and every.c is not None:
+        names = [str(s) for s in driving["solute"].values]
+        columns = [every.c[..., [names.index(s)]] for s in given.solutes]
+        left = [_left_out(q, given.offset, given.concentration.shape[1]) for q in columns]
+        c = max((x for x in left if x is not None), default=None)
+    return u, p, c
 
 
-def _left_out(given: Handoff, driving: xr.Dataset, point: int, order: int, names: tuple[str, ...],
-              which: int) -> float | None:
-    top = sum(1 for n in names if n in driving)
-    both = coefficients(driving, point, *((top, 0) if which == 0 else (1, top)))[which]
-    assert both is not None
-    both = both if which == 0 else both[..., None]
-    used = evaluate(both[:, :COUNT[order]] * _without_first(which, COUNT[order]), given.offset)
-    scale = float(np.abs(used).max())
+def _left_out(every: Floats, offset: Floats, terms: int, counts_first: bool = True) -> float | None:
+    """The first order left out behind ``terms`` of the coefficients (t, terms, c), over the largest value handed off.
+
+    A displacement counts without the point's own.
+    """
+    order, top = COUNT.index(terms), COUNT.index(every.shape[1])
+    used = every[:, :terms].copy()
+    used[:, 0] *= counts_first
+    scale = float(np.abs(evaluate(used, offset)).max())
     if scale == 0.0:
         return None
-    parts = [float(np.abs(_part(both, given.offset, m)).max()) for m in range(1, top + 1)]
+    parts = [float(np.abs(_part(every, offset, m)).max()) for m in range(1, top + 1)]
     if order < top:
         return parts[order] / scale
     if top >= 2 and parts[-2] > 0:
         return parts[-1] * min(parts[-1] / parts[-2], 1.0) / scale
     return None
-
-
-def _without_first(which: int, terms: int) -> Floats:
-    """Displacement counts without the point's own; pressure with."""
-    mask = np.ones((terms, 1))
-    mask[0] = float(which == 1)
-    return mask
 
 
 def _part(coefficient: Floats, offset: Floats, order: int) -> Floats:

@@ -16,14 +16,14 @@ Ints = NDArray[np.int64]
 
 PREFIX = "driven_"
 
-# version -> section that holds sets, a node set, a condition on u and on p, a curve's head, point and foot
+# version -> section that holds sets and a node set; a condition on a dof and on p; a curve's head, point and foot
 _SET = {
     "4.0": ("Mesh", '\t\t<NodeSet name="%s%d">%d</NodeSet>\n'),
     "3.0": ("Mesh", '\t\t<NodeSet name="%s%d"><n id="%d"/></NodeSet>\n'),
     "2.5": ("Geometry", '\t\t<NodeSet name="%s%d"><node id="%d"/></NodeSet>\n'),
 }
 _CONDITION = {
-    "4.0": ('\t\t<bc type="prescribed displacement" node_set="{set}"><dof>{dof}</dof>'
+    "4.0": ('\t\t<bc type="prescribed {what}" node_set="{set}"><dof>{dof}</dof>'
             '<value lc="{lc}">1</value><relative>0</relative></bc>\n',
             '\t\t<bc type="prescribed fluid pressure" node_set="{set}">'
             '<value lc="{lc}">1</value><relative>0</relative></bc>\n'),
@@ -46,14 +46,20 @@ _BEFORE = {"Boundary": ("Loads", "Constraints", "LoadData", "Discrete", "Initial
 
 def curve_sections(given: Handoff, node_ids: Ints, first: int, version: str) -> dict[str, bytes]:
     """Text for the sections: a set per node, a condition per node and dof, a curve per node and dof."""
-    u, p = given.u, given.p
-    values = u if p is None else np.concatenate([u, p[..., None]], axis=2)  # (t, n, dof)
+    parts, dofs = [given.u], ["x", "y", "z"]
+    if (p := given.p) is not None:
+        parts.append(p[..., None])
+        dofs.append("p")
+    if (c := given.c) is not None:
+        parts.append(c)
+        dofs += [f"c{i}" for i in given.solute_ids]
+    values = np.concatenate(parts, axis=2)  # (t, n, dof)
     _, n, d = values.shape
     where, row = _SET[version]
     sets = (row * n) % tuple(x for i in node_ids.tolist() for x in (PREFIX, i, i))
     motion, fluid = _CONDITION[version]
-    one = "".join((fluid if k == 3 else motion).format(set=f"{PREFIX}%d", dof="xyzp"[k], lc="%d")
-                  for k in range(d))
+    one = "".join((fluid if dof == "p" else motion).format(
+        set=f"{PREFIX}%d", dof=dof, lc="%d", what="concentration" if dof[0] == "c" else "displacement") for dof in dofs)
     ids = np.empty((n, d, 2), dtype=np.int64)
     ids[..., 0] = node_ids[:, None]
     ids[..., 1] = first + np.arange(n * d).reshape(n, d)

@@ -1,7 +1,8 @@
 """Derivatives of a nodal field at points as linear operators: one sparse row per point and derivative.
 
 Whatever the method, a derivative at a point is a weighted sum of nodal values, the same at all times, for
-all displacement components and the pressure: d^a f(x) = sum_n w_n f_n. :data:`TERMS` lists the derivatives.
+all displacement components, the pressure and the concentrations: d^a f(x) = sum_n w_n f_n. :data:`TERMS` lists the
+derivatives.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ def rows(m: int, columns: Ints, weights: Floats, width: int) -> Sparse:
 
 
 def apply(operator: Sparse, field: Field, terms: int) -> Floats:
-    """Derivatives (point, time, term, component) of displacement (and pressure, last) from sparse rows."""
+    """Derivatives (point, time, term, column) of a field's values (:attr:`Field.columns`) from sparse rows."""
     used = np.unique(operator.indices)
     values = field.values[:, used]
     t, n, c = values.shape

@@ -1,8 +1,9 @@
-"""Driving data from anywhere: the series of a tissue, or an experiment's F(t) and p(t), as NetCDF or CSV.
+"""Driving data from anywhere: the series of a tissue, or an experiment's F(t), p(t) and c(t), as NetCDF or CSV.
 
 A CSV file has a head and one row per time (and point). Columns: ``time`` (or ``t``); ``F11`` ... ``F33`` or
 ``Fxx`` ... ``Fzz``; and, where wanted, ``point``, ``ux uy uz``, second derivatives ``G111`` or ``Gxxx`` (of
-x_i by X_J, X_K: either order of J, K), third ones ``G3xxxx``, ``p``, ``px py pz``, ``Hxx``, ``H3xxx``.
+x_i by X_J, X_K: either order of J, K), third ones ``G3xxxx``, ``p``, ``px py pz``, ``Hxx``, ``H3xxx``; effective
+concentrations by solute, ``c[Na]``, their derivatives ``c[Na]x``, ``c[Na]xy``, ``c[Na]xyz``.
 Components of F that are left out are those of the identity, others 0.
 """
 
@@ -20,17 +21,21 @@ from numpy.typing import NDArray
 
 from febkit.model import InputError, Where
 
+from .taylor import SERIES
+
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
 
-# name -> (tensor's rank, rank of its symmetric tail, dims after point and time)
+# name -> (tensor's rank, rank of its symmetric tail, dims after point, time and, for concentrations, solute)
 TENSORS: dict[str, tuple[int, int, tuple[str, ...]]] = {
     "u": (1, 0, ("i",)), "F": (2, 0, ("i", "J")), "G": (3, 2, ("i", "J", "K")),
     "G3": (4, 3, ("i", "J", "K", "L")),
     "p": (0, 0, ()), "grad_p": (1, 0, ("J",)), "H": (2, 2, ("J", "K")), "H3": (3, 3, ("J", "K", "L")),
+    "c": (0, 0, ()), "grad_c": (1, 0, ("J",)), "H_c": (2, 2, ("J", "K")), "H3_c": (3, 3, ("J", "K", "L")),
 }
+_SOLUTE = re.compile(r"^c\[([^\]]+)\]_?([xyzXYZ123]*)$")
 _COLUMN = re.compile(r"^(u|F|G3_?|G|H3_?|H|grad_?p_?|p)_?([xyzXYZ123]*)$")
 
 
@@ -55,7 +60,7 @@ def checked(ds: xr.Dataset, name: str = "driving data") -> xr.Dataset:
     for v, (_, _, axes) in TENSORS.items():
         if v not in ds:
             continue
-        dims = ("point", "time", *axes)
+        dims = ("point", "time", *(("solute",) if v in SERIES["c"] else ()), *axes)
         if set(ds[v].dims) != set(dims) or any(ds.sizes[a] != 3 for a in axes):
             raise InputError(f"{name}: {v} must have dimensions {', '.join(dims)}, "
                              f"not {', '.join(map(str, ds[v].dims))}")
@@ -91,20 +96,24 @@ def _csv(path: Path) -> xr.Dataset:
         if len(g) != len(times) or not np.array_equal(g[:, when[0]], times):
             raise InputError(f"point {n:g} has other times than the first", Where(str(path)))
     fields: dict[str, Any] = {}
+    solutes = list(dict.fromkeys(t[2] for t in targets if not isinstance(t, str) and t[2]))
     for k, target in enumerate(targets):
         if isinstance(target, str):
             continue
-        name, index = target
+        name, index, solute = target
         rank, tail, axes = TENSORS[name]
+        own = ("solute",) if solute else ()
         if name not in fields:
-            start = np.zeros((len(names), len(times), *(3,) * rank))
-            fields[name] = (("point", "time", *axes), start + np.eye(3) if name == "F" else start)
+            start = np.zeros((len(names), len(times), *(len(solutes) for _ in own), *(3,) * rank))
+            fields[name] = (("point", "time", *own, *axes), start + np.eye(3) if name == "F" else start)
+        of = (solutes.index(solute),) if solute else ()
         for same in set(permutations(index[rank - tail:])):
-            where = (slice(None), slice(None), *index[:rank - tail], *same)
+            where = (slice(None), slice(None), *of, *index[:rank - tail], *same)
             fields[name][1][where] = np.stack([g[:, k] for g in groups])
     if "F" not in fields:
         raise InputError("there is no column of F (Fxx ... Fzz, or F11 ... F33)", Where(str(path), 1))
-    return xr.Dataset(fields, {"time": times, "point": [int(n) if n == int(n) else n for n in names]},
+    coords: dict[str, Any] = {"time": times, "point": [int(n) if n == int(n) else n for n in names]}
+    return xr.Dataset(fields, coords | ({"solute": solutes} if solutes else {}),
                       {"source": str(path), "recovery": "given"})
 
 
@@ -131,22 +140,30 @@ def _table(path: Path) -> tuple[list[str], Floats]:
     return head, out
 
 
-def _target(name: str, path: Path) -> str | tuple[str, tuple[int, ...]]:
-    """What a column holds: "time", "point", or a tensor's name and component."""
+def _target(name: str, path: Path) -> str | tuple[str, tuple[int, ...], str]:
+    """What a column holds: "time", "point", or a tensor's name, component and solute ("" where it is of none)."""
     low = name.strip().lower()
     if low in ("t", "time", "time (s)", "time [s]"):
         return "time"
     if low == "point":
         return "point"
+    if m := _SOLUTE.match(name.strip()):
+        index = _axes(m[2])
+        if len(index) <= 3:
+            return SERIES["c"][len(index)], index, m[1].strip()
     m = _COLUMN.match(name.strip().replace("[", "").replace("]", "").replace(",", ""))
     if m:
         base = m[1].replace("_", "")
-        index = tuple("xyz123".index(c) % 3 for c in m[2].lower())
+        index = _axes(m[2])
         base = {"gradp": "grad_p", "p": "grad_p" if index else "p"}.get(base, base)
         if TENSORS[base][0] == len(index):
-            return base, index
+            return base, index, ""
     raise InputError(f'column "{name}" is not known: use time, point, ux, Fxx, Gxxx, G3xxxx, p, px, Hxx, '
-                     "H3xxx (digits 1 2 3 may stand for x y z)", Where(str(path), 1))
+                     "H3xxx, c[solute], c[solute]x ... (digits 1 2 3 may stand for x y z)", Where(str(path), 1))
+
+
+def _axes(letters: str) -> tuple[int, ...]:
+    return tuple("xyz123".index(c) % 3 for c in letters.lower())
 
 
 def _split(line: str) -> list[str]:

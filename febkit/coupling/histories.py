@@ -1,7 +1,8 @@
-"""What a cell model's surface nodes do: displacement and pressure histories from a series, or overlaid."""
+"""What a cell model's surface nodes do: histories of all that a tissue hands over, from a series or overlaid."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from febkit.model import InputError
 from .derivatives import apply, by_element, monomials
 from .field import Field, from_dataset
 from .location import locate, require_inside
-from .taylor import coefficients, orders, series
+from .taylor import Coefficients, coefficients, orders, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,9 +29,10 @@ RIGID = ("drop", "keep", "drop-all")
 class Handoff:
     """Histories for nodes at ``X`` (n, 3), reference positions of the cell model, measured from ``origin``.
 
-    ``motion`` (t, terms, 3) and ``fluid`` (t, terms) are the coefficients of the series in the offset from
-    ``origin`` (None for an overlay); ``u`` (t, n, 3) and ``p`` (t, n) the values at the nodes.
-    ``fluid`` and ``p`` are None where the driving data hold no pressure.
+    Of a series: ``motion`` (t, terms, 3), ``fluid`` (t, terms) and ``concentration`` (t, terms, s), coefficients in
+    the offset from ``origin``; of an overlay (where ``motion`` is None) ``at_nodes``, the values themselves. :attr:`u`
+    (t, n, 3), :attr:`p` (t, n) and :attr:`c` (t, n, s) are the values at the nodes; p and c are None where the driving
+    data hold no pressure, no solutes.
     """
 
     times: Floats
@@ -38,8 +40,10 @@ class Handoff:
     origin: Floats
     motion: Floats | None = None
     fluid: Floats | None = None
-    _u: Floats | None = None
-    _p: Floats | None = None
+    concentration: Floats | None = None
+    solutes: tuple[str, ...] = ()
+    solute_ids: tuple[int, ...] = ()  # those of the cell model, once it is known
+    at_nodes: Coefficients | None = None
     text: str = ""
 
     @property
@@ -49,22 +53,45 @@ class Handoff:
     @property
     def u(self) -> Floats:
         if self.motion is None:
-            assert self._u is not None
-            return self._u
+            assert self.at_nodes is not None
+            return self.at_nodes.u
         return evaluate(self.motion, self.offset)
 
     @property
     def p(self) -> Floats | None:
-        if self.motion is None:
-            return self._p
+        if self.at_nodes is not None:
+            return self.at_nodes.p
         return None if self.fluid is None else evaluate(self.fluid[..., None], self.offset)[..., 0]
 
     @property
+    def c(self) -> Floats | None:
+        if self.at_nodes is not None:
+            return self.at_nodes.c
+        return None if self.concentration is None else evaluate(self.concentration, self.offset)
+
+    @property
     def wet(self) -> bool:
-        return (self.fluid if self.motion is not None else self._p) is not None
+        return (self.fluid if self.at_nodes is None else self.at_nodes.p) is not None
 
     def without_pressure(self) -> Handoff:
-        return replace(self, fluid=None, _p=None)
+        held = self.at_nodes if self.at_nodes is None else replace(self.at_nodes, p=None)
+        return replace(self, fluid=None, at_nodes=held)
+
+    def of_solutes(self, names: Sequence[str]) -> Handoff:
+        """The hand-off with these of its solutes, in this order; none where ``names`` is empty.
+
+        Raises InputError where it lacks one.
+        """
+        missing = [n for n in names if n not in self.solutes]
+        if missing:
+            there = f"there {'is' if len(self.solutes) == 1 else 'are'} {', '.join(self.solutes) or 'none'}"
+            raise InputError(f'the driving data hold no solute "{missing[0]}": {there}')
+        at = [self.solutes.index(n) for n in names]
+        held = self.at_nodes
+        if held is not None:
+            held = replace(held, c=held.c[..., at] if held.c is not None and at else None)
+        c = self.concentration[..., at] if self.concentration is not None and at else None
+        return replace(self, concentration=c, solutes=tuple(names), at_nodes=held)
 
 
 def evaluate(coefficient: Floats, offset: Floats) -> Floats:
@@ -75,26 +102,33 @@ def evaluate(coefficient: Floats, offset: Floats) -> Floats:
 
 
 def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int = 2,
-            fluid_order: int | None = None, rigid: str = "drop", origin: Any = (0.0, 0.0, 0.0)) -> Handoff:
+            fluid_order: int | None = None, solute_order: int | None = None, rigid: str = "drop",
+            origin: Any = (0.0, 0.0, 0.0)) -> Handoff:
     """Histories at nodes ``X`` (n, 3) of a cell model from one point of a driving dataset.
 
-    u = x - X with x = F X + 1/2 G XX (+ 1/6 G3 XXX), p = p0 + grad p X (+ 1/2 H XX + 1/6 H3 XXX); X counts
-    from ``origin``, the place in the cell model that stands for the point. ``rigid``: "drop" the point's own
-    displacement (the study's way), "keep" it, or "drop-all", its rotation too (R of F = R U).
-    ``fluid_order`` None: the solid's, but at most 2 and what the driving data hold (see docs/handoff.md).
+    u = x - X with x = F X + 1/2 G XX (+ 1/6 G3 XXX), p = p0 + grad p X (+ 1/2 H XX + 1/6 H3 XXX), and so each
+    effective concentration; X counts from ``origin``, the place in the cell model that stands for the point.
+    ``rigid``: "drop" the point's own displacement (the study's way), "keep" it, or "drop-all", its rotation too (R of
+    F = R U). ``fluid_order`` None: the solid's, but at most 2 and what the driving data hold (see docs/handoff.md);
+    ``solute_order`` None: the fluid's, but at most what the driving data hold.
     """
+    held = orders(driving)
     if fluid_order is None:
-        fluid_order = max(min(order, 2, orders(driving)[1]), 0)
-    _check(order, fluid_order, rigid)
-    u, p = coefficients(driving, point, order, fluid_order)
-    times = np.asarray(driving["time"].values, dtype=float)
+        fluid_order = max(min(order, 2, held[1]), 0)
+    if solute_order is None:
+        solute_order = max(min(fluid_order, held[2]), 0)
+    _check(order, fluid_order, solute_order, rigid)
+    found = coefficients(driving, point, order, fluid_order, solute_order)
+    u = found.u
     if rigid != "keep":
         u[:, 0] = 0.0
     if rigid == "drop-all":
         u = _unrotated(u)
-    times, u, p = _from_rest(times, u, p)
-    where = f"order {order} for the solid" + ("" if p is None else f", {fluid_order} for the fluid")
-    return Handoff(times, np.asarray(X, float), np.asarray(origin, float), u, p, text=where)
+    times, at = _from_rest(np.asarray(driving["time"].values, dtype=float), replace(found, u=u))
+    text = f"order {order} for the solid" + ("" if at.p is None else f", {fluid_order} for the fluid")
+    text += "" if at.c is None else f", {solute_order} for the solutes"
+    names = tuple(str(n) for n in driving["solute"].values) if at.c is not None else ()
+    return Handoff(times, np.asarray(X, float), np.asarray(origin, float), at.u, at.p, at.c, names, text=text)
 
 
 def overlay(tissue: Field | xr.Dataset, X: Floats, at: Any, *, rigid: str = "drop",
@@ -103,7 +137,7 @@ def overlay(tissue: Field | xr.Dataset, X: Floats, at: Any, *, rigid: str = "dro
 
     Raises InputError where a node comes to lie outside the tissue, naming it by its coordinates.
     """
-    _check(1, 1, rigid)
+    _check(1, 1, 1, rigid)
     field = tissue if isinstance(tissue, Field) else from_dataset(tissue)
     if times is not None:
         field = field.at(times)
@@ -119,16 +153,19 @@ def overlay(tissue: Field | xr.Dataset, X: Floats, at: Any, *, rigid: str = "dro
         F = series(field, at, order=1)["F"].values[0]
         d = X - origin
         u = np.einsum("tji,tnj->tni", _rotation(F), u + d) - d
-    p = values[:, 1:, 3] if values.shape[2] == 4 else None
-    t, u, p = _from_rest(field.times, np.ascontiguousarray(u), p)
-    return Handoff(t, X, origin, None, None, u, p, text="overlay: the tissue's field at every node")
+    own = {name: np.ascontiguousarray(values[:, 1:, c]) for name, c in field.columns.items()}
+    p, c = own.get("p"), own.get("c")
+    t, held = _from_rest(field.times, Coefficients(np.ascontiguousarray(u), None if p is None else p[..., 0], c))
+    return Handoff(t, X, origin, solutes=field.solutes if c is not None else (), at_nodes=held,
+                   text="overlay: the tissue's field at every node")
 
 
-def _check(order: int, fluid_order: int, rigid: str) -> None:
+def _check(order: int, fluid_order: int, solute_order: int, rigid: str) -> None:
     if order not in (1, 2, 3):
         raise InputError(f"order must be 1, 2 or 3, not {order}")
-    if fluid_order not in (0, 1, 2, 3):
-        raise InputError(f"fluid order must be 1, 2 or 3 (0 for a uniform pressure), not {fluid_order}")
+    for name, n, of in (("fluid", fluid_order, "pressure"), ("solute", solute_order, "concentration")):
+        if n not in (0, 1, 2, 3):
+            raise InputError(f"{name} order must be 1, 2 or 3 (0 for a uniform {of}), not {n}")
     if rigid not in RIGID:
         raise InputError(f'rigid motion can be {", ".join(RIGID)}; not "{rigid}"')
 
@@ -151,17 +188,25 @@ def _unrotated(u: Floats) -> Floats:
     return np.asarray(x)
 
 
-def _from_rest(times: Floats, u: Floats, p: Floats | None) -> tuple[Floats, Floats, Floats | None]:
-    """Starts histories at time 0 from rest where the driving data start later."""
+def _from_rest(times: Floats, at: Coefficients) -> tuple[Floats, Coefficients]:
+    """Starts histories at time 0 from rest where the driving data start later.
+
+    At rest nothing moves and no pressure acts; with solutes, concentrations and the effective pressure that goes with
+    them are those of the first time, as in a bath.
+    """
     if len(times) == 0:
         raise InputError("the driving data hold no times")
     if (np.diff(times) <= 0).any():
         raise InputError("the times of the driving data must increase")
     if times[0] <= 0:
-        return times, u, p
-    rest = np.zeros((1, *u.shape[1:]))
-    still = None if p is None else np.concatenate([np.zeros((1, *p.shape[1:])), p])
-    return np.concatenate([[0.0], times]), np.concatenate([rest, u]), still
+        return times, at
+
+    def later(y: Floats | None, start: float) -> Floats | None:
+        return None if y is None else np.concatenate([start * y[:1], y])
+
+    u = later(at.u, 0.0)
+    assert u is not None
+    return np.concatenate([[0.0], times]), Coefficients(u, later(at.p, 0.0 if at.c is None else 1.0), later(at.c, 1.0))
 
 
 def _facet_keys(corners: Ints, nodes: int) -> Ints:

@@ -1,7 +1,8 @@
-"""Taylor series of a tissue's motion and pressure at points: F, G, p, grad p, H at all times.
+"""Taylor series of a tissue's motion, pressure and concentrations at points: F, G, p, grad p, H at all times.
 
-x(X) = x0 + F X + 1/2 X G X + 1/6 G3 X X X, p(X) = p0 + grad p . X + 1/2 X H X + 1/6 H3 X X X, with X measured
-from the point; Sibole et al., Comput Methods Biomech Biomed Engin 16 (2013), eqs 1-9, and the third order.
+x(X) = x0 + F X + 1/2 X G X + 1/6 G3 X X X, p(X) = p0 + grad p . X + 1/2 X H X + 1/6 H3 X X X, and like p each effective
+concentration, with X measured from the point; Sibole et al., Comput Methods Biomech Biomed Engin 16 (2013), eqs 1-9,
+and the third order.
 """
 
 from __future__ import annotations
@@ -30,6 +31,12 @@ Ints = NDArray[np.int64]
 # chosen from the tables of docs/handoff.md (made by febkit.coupling.accuracy): it errs least of the three
 # while the tissue's pressures still swing from node to node, and is as good as the polynomial later
 DEFAULT_RECOVERY = "patches"
+
+# names of the value and the first, second and third derivatives of what a tissue has
+SERIES = {
+    "u": ("u", "F", "G", "G3"), "p": ("p", "grad_p", "H", "H3"), "c": ("c", "grad_c", "H_c", "H3_c"),
+    "psi": ("psi", "grad_psi", "H_psi", "H3_psi"),
+}  # fmt: skip
 
 ELEMENT_NOTE = (
     "element: the element's own derivatives. In a trilinear brick that is a parallelepiped the pure second "
@@ -78,10 +85,12 @@ def series(tissue: Field | xr.Dataset, points: Any, *, order: int = 2,
            own_part: bool = True, beyond: bool = False) -> xr.Dataset:
     """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.
 
-    Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G``
-    (3, 3, 3), ``G3``; where the tissue has pressure ``p``, ``grad_p``, ``H``, ``H3``; and where each point
-    lies. ``recovery`` is a name of :data:`RECOVERIES`, by default that of :func:`default_recovery`; ``times``
-    picks or interpolates times; ``own_part`` keeps the patch to the part (material) of the point.
+    Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G`` (3, 3, 3),
+    ``G3``; where the tissue has pressure ``p``, ``grad_p``, ``H``, ``H3``; where it has solutes their effective
+    concentrations ``c`` over ``solute`` as well, ``grad_c``, ``H_c``, ``H3_c``, and the electric potential ``psi``
+    derived from the result's (a cell model finds its own); and where each point lies. ``recovery`` is a name of
+    :data:`RECOVERIES`, by default that of :func:`default_recovery`; ``times`` picks or interpolates times;
+    ``own_part`` keeps the patch to the part (material) of the point.
 
     Ask for the order that is handed off: recovery depends on it. ``beyond`` adds the derivatives one order up,
     from a recovery of their own, for the estimate of what is left out.
@@ -102,8 +111,10 @@ def series(tissue: Field | xr.Dataset, points: Any, *, order: int = 2,
         top = order + 1
         more = apply(method.rows(field, where, points, top, own_part)[0], field, COUNT[top])
         values = np.concatenate([values, more[:, :, COUNT[order]:]], axis=2)
-    if not np.isfinite(values[..., :3]).all():
-        raise InputError("the tissue's displacement is not a number around some of the points")
+    for name, said in (("u", "displacement"), ("c", "concentrations")):
+        columns = field.columns.get(name)
+        if columns is not None and not np.isfinite(values[..., columns]).all():
+            raise InputError(f"the tissue's {said}: not a number around some of the points")
     ds = _dataset(field, points, where, values, lost, top, method, names)
     ds.attrs["order"] = order
     return ds
@@ -146,19 +157,17 @@ def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost
 
     from febkit import __version__
 
-    fields: dict[str, Any] = {"u": (("point", "time", "i"), values[..., 0, :3])}
-    axes: tuple[str, ...] = ()
-    for n in range(1, order + 1):
-        axes = (*axes, "JKL"[n - 1])
-        tensor = np.stack([full(values[..., c], n) for c in range(values.shape[-1])], axis=-1)
-        motion = np.moveaxis(tensor[..., :3], -1, 2)
-        if n == 1:
-            motion = motion + np.eye(3)
-        fields[("F", "G", "G3")[n - 1]] = (("point", "time", "i", *axes), motion)
-        if field.p is not None:
-            fields[("grad_p", "H", "H3")[n - 1]] = (("point", "time", *axes), tensor[..., 3])
-    if field.p is not None:
-        fields["p"] = (("point", "time"), values[..., 0, 3])
+    fields: dict[str, Any] = {}
+    for name, columns in field.columns.items():
+        own = ("i",) if name == "u" else ("solute",) if name == "c" else ()
+        axes: tuple[str, ...] = ()
+        for n in range(order + 1):
+            axes = (*axes, "JKL"[n - 1]) if n else ()
+            tensor = np.stack([full(values[..., c], n) for c in range(columns.start, columns.stop)], axis=2)
+            if name == "u" and n == 1:
+                tensor = tensor + np.eye(3)
+            dims = ("point", "time", *own, *axes)
+            fields[SERIES[name][n]] = (dims, tensor if own else tensor[:, :, 0])
     fields |= {
         "X": (("point", "i"), points),
         "element_id": (("point",), np.array([field.blocks[b].ids[e]
@@ -171,12 +180,14 @@ def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost
     coords: dict[str, Any] = {"time": field.times,
                               "point": np.arange(len(points)) if names is None else list(names)}
     coords |= {k: list("xyz") for k in "iJKL" if any(k in f[0] for f in fields.values())}
+    coords |= {"solute": list(field.solutes)} if field.solutes else {}
     attrs = {
-        "title": "Taylor series of a tissue's motion and pressure", "order": order, "recovery": method.name,
+        "title": "Taylor series of a tissue's motion, pressure and concentrations", "order": order,
+        "recovery": method.name,
         "recovery_text": method.text, "source": field.source, "febkit_version": __version__,
         "elements": ", ".join(f"{len(b.conn)} {b.type}" for b in field.blocks),
-        "formula": "x = x0 + F X + G XX/2 + G3 XXX/6; p = p0 + grad_p X + H XX/2 + H3 XXX/6; "
-                   "X from the point",
+        "formula": "x = x0 + F X + G XX/2 + G3 XXX/6; p = p0 + grad_p X + H XX/2 + H3 XXX/6 (likewise c: grad_c, "
+                   "H_c, H3_c; psi); X from the point",
     }
     if field.units:
         attrs["units_system"] = field.units
@@ -185,35 +196,51 @@ def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost
     return ds
 
 
-def coefficients(ds: xr.Dataset, point: int, order: int, fluid_order: int) -> tuple[Floats, Floats | None]:
-    """Packed coefficients at one point: displacement (t, terms, 3) and pressure (t, terms) or None.
+@dataclass(frozen=True, slots=True, eq=False)
+class Coefficients:
+    """Packed coefficients at one point: u (t, terms, 3), p (t, terms), c (t, terms, s); None where there is none.
 
     The terms go with :func:`febkit.coupling.derivatives.monomials`; F counts as F - 1.
     """
+
+    u: Floats
+    p: Floats | None = None
+    c: Floats | None = None
+
+
+def coefficients(ds: xr.Dataset, point: int, order: int, fluid_order: int, solute_order: int = 0) -> Coefficients:
+    """Coefficients at one point up to the orders of motion, pressure and concentrations.
+
+    Raises InputError where the driving data do not hold an order.
+    """
     one = ds.isel(point=point)
+    u = _packed(one, "u", order, "order")
+    p = _packed(one, "p", fluid_order, "fluid order")[..., 0] if "p" in one else None
+    c = _packed(one, "c", solute_order, "solute order") if "c" in one else None
+    return Coefficients(u, p, c)
+
+
+def _packed(one: xr.Dataset, of: str, order: int, said: str) -> Floats:
+    """Coefficients (t, terms, component) of "u", "p" or "c" up to ``order``."""
+    width = {"u": 3, "p": 1, "c": one.sizes.get("solute", 1)}[of]
     t = one.sizes["time"]
-    u = np.zeros((t, COUNT[order], 3))
-    if "u" in one:
-        u[:, 0] = one["u"].values
-    for n, name in zip(range(1, order + 1), ("F", "G", "G3")):
+    out = np.zeros((t, COUNT[order], width))
+    for n, name in enumerate(SERIES[of][: order + 1]):
         if name not in one:
-            raise InputError(f'order {order} asked for, but the driving data hold no "{name}"')
-        tensor = one[name].values - (np.eye(3) if n == 1 else 0.0)
-        u[:, COUNT[n - 1]:COUNT[n]] = packed(tensor, n).swapaxes(1, 2)  # (t, i, terms) to (t, terms, i)
-    if "p" not in one:
-        return u, None
-    p = np.zeros((t, COUNT[fluid_order]))
-    p[:, 0] = one["p"].values
-    for n, name in zip(range(1, fluid_order + 1), ("grad_p", "H", "H3")):
-        if name not in one:
-            raise InputError(f'fluid order {fluid_order} asked for, but the driving data hold no "{name}"')
-        p[:, COUNT[n - 1]:COUNT[n]] = packed(one[name].values, n)
-    return u, p
+            if of == "u" and n == 0:
+                continue
+            raise InputError(f'{said} {order} asked for, but the driving data hold no "{name}"')
+        tensor = one[name].values - (np.eye(3) if name == "F" else 0.0)
+        terms = packed(tensor.reshape(t, width, *(3,) * n), n)  # (t, component, terms)
+        out[:, COUNT[n - 1] if n else 0 : COUNT[n]] = terms.swapaxes(1, 2)
+    return out
 
 
+def orders(ds: xr.Dataset) -> tuple[int, int, int]:
+    """Highest orders that driving data hold: of the motion, the pressure and the concentrations (-1: none)."""
+    motion = next((n for n, name in enumerate(SERIES["u"][1:]) if name not in ds), 3)
+    return motion, _order(ds, "p"), _order(ds, "c")
 
-def orders(ds: xr.Dataset) -> tuple[int, int]:
-    """Highest orders that driving data hold: of the motion, and of the pressure (-1 without pressure)."""
-    motion = next((n for n, name in enumerate(("F", "G", "G3")) if name not in ds), 3)
-    fluid = next((n for n, name in enumerate(("grad_p", "H", "H3")) if name not in ds), 3)
-    return motion, fluid if "p" in ds else -1
+
+def _order(ds: xr.Dataset, of: str) -> int:
+    return next((n - 1 for n, name in enumerate(SERIES[of]) if name not in ds), 3)

@@ -20,7 +20,7 @@ def test_an_experiment_needs_only_time_and_some_of_F(tmp_path):
     ds = read_driving(put(tmp_path, "# stretch test\ntime, Fzz, F12, p\n0, 1, 0, 0\n2, 0.9, 0.05, 0.3\n"))
     assert ds["F"].values[0, 1].tolist() == [[1, 0.05, 0], [0, 1, 0], [0, 0, 0.9]]
     assert ds["p"].values[0].tolist() == [0, 0.3]
-    assert orders(ds) == (1, 0)
+    assert orders(ds) == (1, 0, -1)
     X = np.array([[1.0, 2.0, 3.0]])
     h = handoff(ds, X, order=1, fluid_order=0)
     assert h.u[1, 0] == pytest.approx([0.1, 0, -0.3])
