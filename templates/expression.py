@@ -77,12 +77,17 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
         case ast.IfExp(test=c, body=a, orelse=b):
             return _value(a if _value(c, names) else b, names)
         case ast.Tuple(elts=v) | ast.List(elts=v):
-            return [_value(x, names) for x in v]
+            return [y for x in v for y in _items(x, names)]
         case ast.Subscript(value=a, slice=b):
             return _value(a, names)[_value(b, names)]
         case ast.Call(func=ast.Name(id=f), args=args, keywords=[]) if f in FUNCTIONS:
             return FUNCTIONS[f](*(_value(x, names) for x in args))
     raise InputError(f"{type(node).__name__} is not allowed in a template")
+
+
+def _items(node: ast.expr, names: Mapping[str, Any]) -> list[Any]:
+    """Values of an entry of a list: one, or those that a starred one holds."""
+    return list(_value(node.value, names)) if isinstance(node, ast.Starred) else [_value(node, names)]
 
 
 def written(value: Any) -> str:

@@ -13,7 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from febkit.model import InputError, Mesh, Model, Where
+import numpy as np
+
+from febkit.model import InputError, Mesh, Model, NodeSet, Where
 
 from .expression import evaluate, fill
 
@@ -24,7 +26,15 @@ def instantiate(path: Path, names: Mapping[str, Any], mesh: Mesh) -> Model:
 
     data = expand(path, names)
     model = read_bytes(data, str(path))
-    return replace(model, mesh=mesh, document=None, file="")
+    return replace(model, mesh=_with_all(mesh, model), document=None, file="")
+
+
+def _with_all(mesh: Mesh, model: Model) -> Mesh:
+    """The mesh with a node set "all", where the model refers to one."""
+    given = [c for s in (model.common, *model.steps) for c in (*s.initial, *s.boundary)]
+    if not any(c.attrs.get("node_set") == "all" for c in given) or "all" in mesh.node_sets:
+        return mesh
+    return replace(mesh, node_sets={**mesh.node_sets, "all": NodeSet("all", np.arange(len(mesh.X)))})
 
 
 def expand(path: Path, names: Mapping[str, Any]) -> bytes:

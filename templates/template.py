@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Model, Where
 
+from .expression import evaluate
 from .generators import GENERATORS
 from .parameters import Parameter, chosen, declared
 from .parts import Generated
@@ -21,7 +22,8 @@ BUILT_IN = ("tissue", "cell", "embedded")
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """What the folder says. ``model`` is the skeleton's path, ``mesh`` the name of a generator."""
+    """What the folder says. ``model`` is the skeleton's path, ``mesh`` the name of a generator, ``names`` expressions
+    of the parameters that the skeleton uses beside them."""
 
     name: str
     title: str
@@ -29,6 +31,7 @@ class Template:
     model: Path
     parameters: Mapping[str, Parameter]
     sizes: Mapping[str, Mapping[str, Any]]
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def values(self, given: Sequence[tuple[Mapping[str, Any], Where]] = ()) -> dict[str, Any]:
         """All parameters with the values given; later tables win."""
@@ -37,7 +40,10 @@ class Template:
     def build(self, values: Mapping[str, Any]) -> tuple[Model, Generated]:
         """The model and its mesh."""
         made = GENERATORS[self.mesh](dict(values))
-        return instantiate(self.model, dict(values) | dict(made.facts), made.mesh), made
+        known = dict(values) | dict(made.facts)
+        for name, text in self.names.items():
+            known[name] = evaluate(text, known, Where(f"[names] of the template {self.name}"))
+        return instantiate(self.model, known, made.mesh), made
 
 
 def load(name: str, folder: Path | None = None) -> Template:
@@ -61,7 +67,7 @@ def _read(path: Path, depth: int) -> Template:
         raise InputError(f"cannot open the template: {e.strerror}", where) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
         raise InputError(f"not well-formed TOML: {e}", where) from None
-    unknown = set(table) - {"title", "base", "mesh", "model", "parameters", "sizes"}
+    unknown = set(table) - {"title", "base", "mesh", "model", "parameters", "sizes", "names"}
     if unknown:
         raise InputError(f"unknown entry '{sorted(unknown)[0]}' in a template", where)
     base = _base(table, path, depth)
@@ -73,7 +79,8 @@ def _read(path: Path, depth: int) -> Template:
     if not model.is_file() and base and "model" not in table:
         model = base.model
     sizes = dict(base.sizes if base else {}) | table.get("sizes", {})
-    return Template(path.parent.name, str(table.get("title", "")), mesh, model, merged, sizes)
+    names = dict(base.names if base else {}) | {k: str(v) for k, v in table.get("names", {}).items()}
+    return Template(path.parent.name, str(table.get("title", "")), mesh, model, merged, sizes, names)
 
 
 def _base(table: Mapping[str, Any], path: Path, depth: int) -> Template | None:

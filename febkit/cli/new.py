@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 @click.argument("name", metavar="tissue|cell|embedded")
 @click.option("--case", type=click.Choice(["A", "B", "C", "D"]), help="Loading of the study: "
               "top moves evenly (A, B) or unevenly (C, D); draining at top and bottom (A, C) or top (B, D).")
+@click.option("--physics", type=click.Choice(["biphasic", "triphasic"]), help="Solid and water, or with fixed charges "
+              "and ions as well.")
 @click.option("--set", "pairs", multiple=True, metavar="NAME=VALUE",
               help="Value of a parameter; may be repeated. size=small is a reduced mesh.")
 @click.option("--params", type=click.Path(dir_okay=False, path_type=Path), help="TOML file of parameters.")
@@ -24,14 +26,15 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
               help="The .feb file to write [default: NAME_CASE.feb].")
 @click.option("--parameters", is_flag=True, help="List the parameters with units and defaults, and stop.")
-def command(name: str, case: str | None, pairs: tuple[str, ...], params: Path | None, template: Path | None,
-            output: Path | None, parameters: bool) -> None:
+def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, ...], params: Path | None,
+            template: Path | None, output: Path | None, parameters: bool) -> None:
     """Write a complete model: the tissue cube, the cell cube, or the cells embedded in the tissue.
 
     \b
     febkit new tissue --case B -o tissue.feb
     febkit new cell --case B --set seed=7 --set diameter=0.012 -o cell.feb
     febkit new embedded --case D --set size=small -o control.feb
+    febkit new tissue --case B --physics triphasic
     febkit new cell --parameters
     """
     from febkit.templates.template import load
@@ -40,7 +43,7 @@ def command(name: str, case: str | None, pairs: tuple[str, ...], params: Path | 
     if parameters:
         click.echo(_listing(template_))
         return
-    values = template_.values(_given(template_, case, pairs, params))
+    values = template_.values(_given(template_, {"case": case, "physics": physics}, pairs, params))
     model, made = template_.build(values)
     target = output or Path(f"{name}_{values['case']}.feb" if "case" in values else f"{name}.feb")
     from febkit.feb import write
@@ -51,9 +54,9 @@ def command(name: str, case: str | None, pairs: tuple[str, ...], params: Path | 
     click.echo(f"wrote {target}")
 
 
-def _given(template: Template, case: str | None, pairs: tuple[str, ...],
+def _given(template: Template, choices: dict[str, str | None], pairs: tuple[str, ...],
            params: Path | None) -> list[tuple[dict[str, Any], Where]]:
-    """The user's values: the file first, then --case and --set."""
+    """The user's values: the file first, then those that have an option of their own, then --set."""
     from febkit.model import InputError, Where
     from febkit.templates.parameters import from_text
     from febkit.templates.template import parameters_file
@@ -66,8 +69,7 @@ def _given(template: Template, case: str | None, pairs: tuple[str, ...],
             table["mesh_file"] = str(params.parent / mesh)
         given.append((table, where))
     here = Where("--set")
-    if case is not None:
-        given.append(({"case": case}, Where("--case")))
+    given += [({k: v}, Where(f"--{k}")) for k, v in choices.items() if v is not None]
     for pair in pairs:
         name, equals, text = pair.partition("=")
         name = name.strip()
