@@ -18,7 +18,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid) or "overlay".
+    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid), "2/2/1" (/solutes) or "overlay".
 
     An order may name its recovery ("2 element"); without one the study's [coupling] says which.
     """
@@ -27,6 +27,7 @@ class Method:
     solid: int | None
     fluid: int | None
     recovery: str | None = None
+    solute: int | None = None  # as the fluid where it is not said
 
     @classmethod
     def parse(cls, text: object, where: Where) -> Method:
@@ -36,10 +37,11 @@ class Method:
         said, _, recovery = t.partition(" ")
         orders = said.split("/")
         known = recovery in ("", *RECOVERIES)
-        if known and len(orders) <= 2 and all(o in ("1", "2", "3") for o in orders):
-            return cls(t, int(orders[0]), int(orders[-1]), recovery or None)
+        if known and len(orders) <= 3 and all(o in ("1", "2", "3") for o in orders):
+            solid, fluid, solute = (int(orders[min(k, len(orders) - 1)]) for k in range(3))
+            return cls(t, solid, fluid, recovery or None, solute if len(orders) == 3 else None)
         raise InputError(
-            f'method {t!r} must be an order "1", "2" or "3" or two of them "2/1" (solid/fluid), with or '
+            f'method {t!r} must be an order "1", "2" or "3", or "2/1" (solid/fluid), or "2/2/1" (/solutes), with or '
             f'without a recovery ({", ".join(RECOVERIES)}) after it, or "overlay"',
             where,
         )

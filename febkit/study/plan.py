@@ -130,7 +130,7 @@ def _solved(name: str, table: Mapping[str, Any], case: str, suffix: str = "") ->
 
 def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step]) -> Step:
     """Series of the tissue's field at all points, of the order that is handed off: one small file."""
-    order = max(method.solid or 1, method.fluid or 1)
+    order = max(method.solid or 1, method.fluid or 1, method.solute or 1)
     params: dict[str, Any] = {"points": [list(p) for p in study.points], **study.coupling, "order": order}
     if method.recovery:
         params["recovery"] = method.recovery
@@ -142,6 +142,7 @@ def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping
     k = at.point
     label = f"{at.case} order {method.name}{which(study, k, at.seed)}"
     params: dict[str, Any] = {"point": k, "solid": method.solid, "fluid": method.fluid}
+    params |= {} if method.solute is None else {"solute": method.solute}
     if method.name == "overlay":
         params |= {"at": list(study.points[k])}
         inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}

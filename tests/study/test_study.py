@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from febkit import study
-from febkit.model import InputError
+from febkit.model import InputError, Where
 from febkit.study import work
-from febkit.study.config import Resources
+from febkit.study.config import Method, Resources
 from febkit.study.run import Outcome, do, fitting_workers
 from febkit.study.store import Store
 
@@ -273,3 +273,11 @@ def test_report_of_a_small_study(tmp_path):
     total = sum(float(r[3]) for r in rows[:-1])
     assert rows[-1][0] == "2 solves" and float(rows[-1][3]) == pytest.approx(total, abs=0.3)
     assert [r[1] for r in rows[:-1]] == ["27", rows[1][1]] and int(rows[1][1]) > 100
+
+
+def test_a_method_names_the_order_of_the_solutes_apart() -> None:
+    where = Where("study.toml")
+    both = Method.parse("2/1", where), Method.parse("2/2/1 element", where)
+    assert [(m.solid, m.fluid, m.solute, m.recovery) for m in both] == [(2, 1, None, None), (2, 2, 1, "element")]
+    with pytest.raises(InputError, match="must be an order"):
+        Method.parse("1/1/1/1", where)
