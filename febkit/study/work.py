@@ -104,7 +104,7 @@ def _handoff(job: Job, X: Any) -> tuple[Any, Any, int]:
             return coupling.overlay(coupling.from_dataset(tissue), X, job.params["at"]), None, 0
     driving = coupling.read_driving(job.inputs["series"] / SERIES)
     point = int(job.params["point"])
-    solid, fluid, solute = (job.params.get(k) for k in ("solid", "fluid", "solute"))
+    solid, fluid, solute = job.params["solid"], job.params["fluid"], job.params.get("solute")
     given = coupling.handoff(driving, X, point=point, order=solid, fluid_order=fluid, solute_order=solute)
     return given, driving, point
 
