@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from xarray.backends import BackendEntrypoint
@@ -54,15 +56,30 @@ def open_plot(path: str | os.PathLike[str], *, mesh: int | None = None, apart: b
     from .xplt.reader import PlotFile
 
     f = PlotFile(path)
-    if mesh is None:
-        if len(used_meshes(f)) > 1:
-            raise InputError(
-                f"the mesh changes {len(used_meshes(f)) - 1} times: give mesh=0 to {f.n_meshes - 1}, or use"
-                " febkit.results.open_all for one dataset per mesh",
-                Where(str(path)),
-            )
-        mesh = (used_meshes(f) or [0])[0]
-    return dataset.build(f, mesh, apart)
+    try:
+        say_unread(f)
+        return dataset.build(f, _only_mesh(f, path) if mesh is None else mesh, apart)
+    except BaseException:
+        f.close()
+        raise
+
+
+def _only_mesh(f: PlotFile, path: str | os.PathLike[str]) -> int:
+    used = used_meshes(f) or [0]
+    if len(used) > 1:
+        raise InputError(
+            f"the mesh changes {len(used) - 1} times: give mesh=0 to {f.n_meshes - 1}, or use"
+            " febkit.results.open_all for one dataset per mesh",
+            Where(str(path)),
+        )
+    return used[0]
+
+
+def say_unread(f: PlotFile) -> None:
+    """Warn of bytes behind the last complete state."""
+    unread = f.container.unread()
+    if unread:
+        warnings.warn(unread, stacklevel=4)
 
 
 def used_meshes(f: PlotFile) -> list[int]:
@@ -78,4 +95,26 @@ def open_all(path: str | os.PathLike[str], *, apart: bool = False) -> list[xr.Da
     from .xplt.reader import PlotFile
 
     f = PlotFile(path)
-    return [dataset.build(f, i, apart) for i in used_meshes(f) or [0]]
+    try:
+        say_unread(f)
+        many = [dataset.build(f, i, apart) for i in used_meshes(f) or [0]]
+    except BaseException:
+        f.close()
+        raise
+    last = _Last(f, len(many))
+    for ds in many:
+        ds.set_close(last)
+    return many
+
+
+@dataclass(slots=True)
+class _Last:
+    """Closes a file once everyone who shares it has let go of it."""
+
+    file: PlotFile
+    sharing: int
+
+    def __call__(self) -> None:
+        self.sharing -= 1
+        if self.sharing == 0:
+            self.file.close()

@@ -17,6 +17,8 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from febkit.model import InputError
+
 from . import units
 from .fields import Field, Places, components
 from .xplt.reader import PlotFile
@@ -120,7 +122,31 @@ class ElementStates:
 
     def frame(self, t: int) -> np.ndarray:
         flags = self.file.element_state(int(self.states[t]))
-        return np.ones(self.shape, np.uint32) if flags is None or len(flags) != self.shape[0] else flags
+        if flags is None or not len(flags):  # FEBio lists none for some meshes of shells: all are active
+            return np.ones(self.shape, np.uint32)
+        if len(flags) != self.shape[0]:
+            say = f"damaged state: flags of {len(flags)} elements where the mesh has {self.shape[0]}"
+            raise InputError(say, self.file.container.where)
+        return flags
+
+    def fill(self, t: int, out: np.ndarray) -> None:
+        out[...] = self.frame(t)
+
+
+class ObjectStates:
+    """Bytes of the objects' values, as frames."""
+
+    def __init__(self, f: PlotFile, states: np.ndarray, n: int) -> None:
+        self.file, self.states = f, states
+        self.shape: tuple[int, ...] = (n,)
+        self.dtype: Any = np.uint8
+
+    def frame(self, t: int) -> np.ndarray:
+        raw = self.file.objects(int(self.states[t]))
+        if len(raw) != self.shape[0]:
+            say = f"damaged state: {len(raw)} bytes of objects where the first state has {self.shape[0]}"
+            raise InputError(say, self.file.container.where)
+        return np.frombuffer(raw, np.uint8)
 
     def fill(self, t: int, out: np.ndarray) -> None:
         out[...] = self.frame(t)
@@ -334,7 +360,6 @@ def _states(f: PlotFile, states: np.ndarray, o: MeshOutline, data: dict[Hashable
             FrameArray(ElementStates(f, states, o.n_elements), len(states))
         )
         data["element_state"] = xr.Variable(("time", "element"), lazy, {"long_name": "1 where active"})
-    if layout.objects is not None:
-        raw = [np.frombuffer(f.objects(int(i)), np.uint8) for i in states]
-        if len({len(r) for r in raw}) == 1:
-            data["object_state"] = xr.Variable(("time", "object_state_byte"), np.stack(raw))
+    if layout.objects is not None and o.objects:
+        lazy = indexing.LazilyIndexedArray(FrameArray(ObjectStates(f, states, layout.objects[1]), len(states)))
+        data["object_state"] = xr.Variable(("time", "object_state_byte"), lazy)

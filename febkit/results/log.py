@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -17,15 +18,18 @@ from .records import Record
 if TYPE_CHECKING:
     import pandas as pd
 
-_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?nan|[-+]?inf)"
+# no pattern may give back what it took, or a long line takes for ever
+_LONGEST = 400  # characters of a line that says something about the run
+_NUMBER = r"([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?|[-+]?nan|[-+]?inf)"
 _BEGIN = re.compile(rf"===== beginning time step (\d+)\s*:\s*{_NUMBER}")
 _CONVERGED = re.compile(rf"------- converged at time\s*:\s*{_NUMBER}")
 _FAILED = re.compile(r"------- failed to converge")
 _STATUS = re.compile(rf"Nonlinear solution status: time=\s*{_NUMBER}")
 _COUNT = re.compile(rf"^\s*(stiffness updates|right hand side evaluations|stiffness matrix reformations"
                     rf"|step from line search)\s*=\s*{_NUMBER}")
-_NORM = re.compile(rf"^\s+([A-Za-z][\w ()]*?)\s+{_NUMBER}\s+{_NUMBER}\s+{_NUMBER}\s*$")
-_SUMMARY = re.compile(r"^\s*([A-Za-z][\w ,()/-]*?)\s*\.*\s*:\s*([-+\d.eE:]+)\s*(?:\(([^)]*)\)|\w+)?\s*$")
+_NORM = re.compile(r"[A-Za-z][\w ()]*")
+_FLOAT = re.compile(_NUMBER)
+_SUMMARY = re.compile(r"^\s*([A-Za-z][\w \t,()/.-]*+):\s*([-+\d.eE:]+)\s*(?:\(([^)]*)\)|\w+)?\s*$")
 _BOX = re.compile(r"^\s*\*+\s*$")
 _KIND = re.compile(r"^\s*\*\s*(WARNING|ERROR|FATAL ERROR)\s*\*?\s*$")
 _RECORD = re.compile(r"^Data Record #(\d+)")
@@ -76,6 +80,8 @@ class _Reading:
     ending: bool = False
 
     def line(self, text: str) -> None:
+        if len(text) > _LONGEST:
+            return
         if found := _BEGIN.search(text):
             self.steps.append({"step": int(found[1]), "time": float(found[2]), "converged": False,
                                "iterations": 0, "reformations": 0})
@@ -83,10 +89,10 @@ class _Reading:
             self._iteration(float(found[1]))
         elif self.iterations and (found := _COUNT.match(text)):
             self._count(found[1], float(found[2]))
-        elif self.iterations and not self.ending and (found := _NORM.match(text)):
-            name = found[1].strip().replace(" ", "_")
+        elif self.iterations and not self.ending and (norm := _norm(text)):
+            name, values = norm
             row = self.iterations[-1]
-            row[f"{name}_initial"], row[name], row[f"{name}_required"] = map(float, found.groups()[1:])
+            row[f"{name}_initial"], row[name], row[f"{name}_required"] = values
         elif self.steps and (found := _CONVERGED.search(text)):
             self.steps[-1] |= {"converged": True, "time": float(found[1])}
         elif "N O R M A L   T E R M I N A T I O N" in text or "E R R O R   T E R M I N A T I O N" in text:
@@ -94,7 +100,7 @@ class _Reading:
         elif re.search(r"I T E R A T I O N\s+(S U M M A R Y|I N F O R M A T I O N)", text):
             self.ending = True
         elif self.ending and (found := _SUMMARY.match(text)):
-            self._total(found[1].strip(), found[2], found[3] or "")
+            self._total(found[1].strip(" \t."), found[2], found[3] or "")
 
     def _total(self, name: str, value: str, aside: str) -> None:
         """A line of the summary; times as h:m:s, or as (seconds sec) where the log says so."""
@@ -102,6 +108,8 @@ class _Reading:
         try:
             parts = [float(p) for p in (seconds[1] if seconds else value).split(":")]
         except ValueError:
+            return
+        if len(parts) > 3:
             return
         self.summary[name] = sum(p * 60**k for k, p in enumerate(reversed(parts)))
 
@@ -116,8 +124,17 @@ class _Reading:
         key = {"stiffness updates": "updates", "right hand side evaluations": "residuals",
                "stiffness matrix reformations": "reformations", "step from line search": "line_search"}[name]
         self.iterations[-1][key] = value
-        if key == "reformations":
+        if key == "reformations" and math.isfinite(value):
             self.steps[-1]["reformations"] = int(value)
+
+
+def _norm(text: str) -> tuple[str, list[float]] | None:
+    """Name of a norm and its initial, current and required value: "  fluid pressure  1.0  2.0  3.0"."""
+    name, *numbers = text.rsplit(None, 3) or [""]
+    name = name.strip()
+    if not text[:1].isspace() or len(numbers) < 3 or not all(map(_FLOAT.fullmatch, numbers)):
+        return None
+    return (name.replace(" ", "_"), [float(x) for x in numbers]) if _NORM.fullmatch(name) else None
 
 
 def read_log(path: str | os.PathLike[str]) -> Log:

@@ -94,7 +94,10 @@ def _table(rows: list[str], where: Where) -> np.ndarray:
         flat = np.array(_SPLIT.split(" ".join(r.strip(" ,;|\t") for r in rows)), dtype=np.float64)
     except ValueError as e:
         raise InputError(f"not a row of numbers: {e}", where) from None
-    if flat.size != width * len(rows) or not np.isfinite(flat[::width]).all():
+    ids = flat[::width]
+    if flat.size == width * len(rows) and not (np.abs(ids) < 2.0**53).all():
+        raise InputError("a row does not begin with the number of an item", where)
+    if flat.size != width * len(rows):
         raise InputError("the rows of a block differ in length", where)
     return flat.reshape(len(rows), width)
 

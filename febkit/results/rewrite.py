@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.model import InputError
+
 from . import mesh as meshes
 from .fields import Places
 from .xplt.reader import PlotFile
@@ -79,8 +81,16 @@ def copy(source: Path, target: Path, *, version: int | None = None, compress: bo
                     found = dict(f.regions(i, t))
                     if found:
                         data[k] = found
-                flags = f.element_state(t)
-                w.state(f.time(t), data, f.status(t), flags, f.objects(t))
+                w.state(f.time(t), data, f.status(t), _flags(f, t), f.objects(t))
+
+
+def _flags(f: PlotFile, t: int) -> np.ndarray | None:
+    """Flags of the elements as the file has them: one each, or none at all."""
+    flags = f.element_state(t)
+    n = f.outline(max(f.states[t].mesh, 0)).n_elements
+    if flags is not None and len(flags) not in (0, n):
+        raise InputError(f"damaged state: flags of {len(flags)} elements where the mesh has {n}", f.container.where)
+    return flags
 
 
 def _outline(m: PlotMesh) -> MeshOutline:

@@ -40,10 +40,10 @@ class Blocks:
     def name64(self, tag: int, text: str) -> bytes:
         return self.block(tag, text.encode().ljust(64, b"\0"))
 
-    def item(self, kind: int, fmt: int, name: str, size: int = 0) -> bytes:
+    def item(self, kind: int, fmt: int, label: str, size: int = 0, name: bytes | None = None) -> bytes:
         return self.block(
             0x01020001, self.int(0x01020002, kind), self.int(0x01020003, fmt), self.int(0x01020005, size),
-            self.name64(0x01020004, name),
+            name or self.name64(0x01020004, label),
         )
 
     def variable(self, number: int, *regions: tuple[int, bytes]) -> bytes:
@@ -64,15 +64,19 @@ def blocks() -> Blocks:
     return Blocks()
 
 
-def modern(b: Blocks, version: int = 0x35, compression: int = 0, packed: str = "", states: int = 3) -> bytes:
-    """Two domains (the second unnamed), a surface, sets, a nodal and two element variables."""
+def modern(b: Blocks, version: int = 0x35, compression: int = 0, packed: str = "", states: int = 3,
+           flags: tuple[int, ...] = (1, 1), stress: bytes | None = None, units: str = "mm-N-s") -> bytes:
+    """Two domains (the second unnamed), a surface, sets, a nodal and two element variables.
+
+    ``flags`` of the elements in every state; ``stress``: another block for that variable's name.
+    """
     header = [b.int(0x01010001, version), b.int(0x01010004, compression), b.text(0x01010006, "FEBio 4.11.0")]
     if version >= 0x31:
-        header.append(b.text(0x01010007, "mm-N-s"))
+        header += [b.text(0x01010007, units)] if units else []
     dictionary = b.block(
         0x01020000,
         b.block(0x01023000, b.item(1, 0, "displacement")),
-        b.block(0x01024000, b.item(0, 0, "effective fluid pressure"), b.item(2, 1, "stress")),
+        b.block(0x01024000, b.item(0, 0, "effective fluid pressure"), b.item(2, 1, "stress", name=stress)),
         b.block(0x01025000, b.item(0, 2, "contact gap")),
     )
     root = b.block(0x01000000, b.block(0x01010000, *header), dictionary)
@@ -113,14 +117,16 @@ def modern(b: Blocks, version: int = 0x35, compression: int = 0, packed: str = "
         0x01045000, b.block(0x01045100, b.int(0x01045101, 1), b.name64(0x01045102, "tissue"))
     )
     mesh = b.block(0x01040000, nodes, domains, surface, node_set, parts)
-    return b.magic() + root + mesh + b"".join(modern_state(b, version, packed, t) for t in range(states))
+    return b.magic() + root + mesh + b"".join(
+        modern_state(b, version, packed, t, flags) for t in range(states)
+    )
 
 
 def first_seen(conn: np.ndarray) -> list[int]:
     return list(dict.fromkeys(conn.ravel().tolist()))
 
 
-def modern_state(b: Blocks, version: int, packed: str, t: int) -> bytes:
+def modern_state(b: Blocks, version: int, packed: str, t: int, element_flags: tuple[int, ...]) -> bytes:
     """Displacement 10 t + 3 node + component; pressure 100 t + node; stress 1000 t + 6 element + component."""
     head = [b.block(0x02010002, b.floats(0.1 * t))]
     if version >= 0x31:
@@ -135,7 +141,7 @@ def modern_state(b: Blocks, version: int, packed: str, t: int) -> bytes:
         b.block(0x02020400, b.variable(1, *p), b.variable(2, *s)),
         b.block(0x02020500, b.variable(1, *gap)),
     )
-    flags = b.block(0x02030000, b.block(0x02030001, b.ints(1, 1)))
+    flags = b.block(0x02030000, b.block(0x02030001, b.ints(*element_flags)))
     body = b.block(0x02010000, *head) + flags + data
     if packed == "body":
         return b.block(0x02000000, zlib.compress(body))

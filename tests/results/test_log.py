@@ -176,3 +176,34 @@ def test_ragged_data_file(tmp_path: Path) -> None:
     path.write_text("1 two three\n")
     with pytest.raises(InputError, match="not a row of numbers"):
         read_data(path)
+
+
+def test_counts_that_are_no_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "a.log"
+    text = STEP.format(n=1, t=0.1, end="converged")
+    path.write_text(text.replace("stiffness matrix reformations = 1", "stiffness matrix reformations = inf"))
+    log = read_log(path)
+    assert log.steps["reformations"].tolist() == [0] and len(log.iterations) == 2
+    path.write_text(text + "I T E R A T I O N   S U M M A R Y\n Time : " + ":".join("1" * 180) + "\n")
+    assert not read_log(path).summary
+
+
+@pytest.mark.parametrize("line", [" a" + " " * 4000, " a" + "." * 4000, " " + "a " * 2000, " a " + "1" * 4000])
+def test_long_lines_take_no_time(tmp_path: Path, line: str) -> None:
+    """A line that fits no pattern must not be tried in every way of cutting it."""
+    import time
+
+    path = tmp_path / "a.log"
+    short = line[:390] + "\n"
+    path.write_text(STEP.format(n=1, t=0.1, end="converged") + short * 50 + line * 50
+                    + "\nI T E R A T I O N   S U M M A R Y\n" + short * 50 + line * 50)  # fmt: skip
+    start = time.process_time()
+    assert len(read_log(path).iterations) == 2
+    assert time.process_time() - start < 0.5
+
+
+def test_ids_of_a_data_file_are_numbers_of_items(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("*Step = 1\n1e300 2\n")
+    with pytest.raises(InputError, match="number of an item"):
+        read_data(path)

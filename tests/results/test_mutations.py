@@ -55,6 +55,7 @@ def exercise(path: Path) -> str:
     return "read"
 
 
+@pytest.mark.filterwarnings("ignore:.*no complete state")
 @pytest.mark.parametrize("kind", ["plain", "block", "body", "big-endian"])
 def test_damaged_files(tmp_path: Path, make_modern, random_plot, kind: str) -> None:
     path = tmp_path / "a.xplt"

@@ -6,8 +6,7 @@ import contextlib
 import mmap
 import os
 import struct
-import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,9 +15,12 @@ import numpy as np
 from febkit.model import InputError, Where
 
 from . import tags
+from .inflate import PIECE, Inflated
 
-_PIECE = 1 << 20  # bytes inflated at a time while the end of a compressed block is looked for
-_HEAD = 128  # bytes of an inflated block that are kept
+_HEAD = 128  # bytes of a packed block that are inflated when it is found
+KEPT = 1 << 28  # bytes of an inflated block that are held at most; a larger one is read piece by piece
+_WORTH_A_LOOK = 1 << 26  # bytes that a packed block must claim before the mesh is asked what a state can hold
+_DENSEST = 200  # bytes that a byte of a packed mesh can make: ids and coordinates are no run of zeros
 _IN_STATE = (tags.STATE_HEADER, tags.STATE_DATA, tags.MESH_STATE, tags.OBJECTS_STATE)
 _TOP = (tags.ROOT, tags.MESH, tags.STATE)
 
@@ -31,7 +33,7 @@ class Block:
     tag: int
     start: int  # first byte of the block in the file
     stop: int
-    size: int  # bytes of the payload once inflated
+    size: int  # bytes of the payload once inflated; -1 where only inflating it tells
     packed: str = ""
     head: bytes = b""  # first bytes of a packed payload, so that times cost no second inflation
 
@@ -40,17 +42,30 @@ class Block:
 class Bytes:
     """Readable bytes of one block's payload."""
 
-    data: mmap.mmap | bytes
+    data: mmap.mmap | bytes | Inflated
     start: int
     stop: int
+
+    @property
+    def streamed(self) -> bool:
+        """Whether reading inflates: the payload is too large to be held."""
+        return isinstance(self.data, Inflated)
+
+    def flat(self) -> tuple[mmap.mmap | bytes, int]:
+        """A buffer that holds these bytes, and where in it they start."""
+        if isinstance(self.data, Inflated):
+            return self.data[self.start : self.stop], 0
+        return self.data, self.start
 
 
 class Container:
     """The mapped file and its top-level blocks; complete blocks only, so a growing file reads well."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], room: Callable[[Container], int] | None = None) -> None:
+        """``room`` gives the bytes that a state of the mesh read so far can fill."""
         self.path = Path(path)
         self.where = Where(str(path))
+        self.room = room
         self.blocks: list[Block] = []
         self._inflated: tuple[Block, Bytes] | None = None
         self._map()
@@ -86,6 +101,13 @@ class Container:
     def leftover(self) -> int:
         return self.size - self._end
 
+    def unread(self) -> str | None:
+        """What to say of bytes after the last complete block."""
+        if not self.truncated:
+            return None
+        return (f"{self.path.name}: the last {self.leftover} bytes are no complete state and are left out: "
+                "the run goes on, or the file was cut")
+
     def refresh(self) -> bool:
         """Index the blocks that were completed since; True where there are new ones."""
         size = os.stat(self.path).st_size
@@ -110,20 +132,18 @@ class Container:
         tag, n = self.head.unpack_from(self.data, at)
         if tag not in _TOP or at + 8 + n > self.size:
             return None
-        packed = ""
         if tag == tags.STATE and n >= 4:
             first = self._word.unpack_from(self.data, at + 8)[0]
-            packed = "body" if first not in _IN_STATE and self._zlib_at(at + 8) else ""
-        if not packed:
-            return Block(tag, at, at + 8 + n, n)
-        size, _, head = self._inflated_size(at + 8, at + 8 + n)
-        return Block(tag, at, at + 8 + n, size, packed, head)
+            if first not in _IN_STATE and self._zlib_at(at + 8):
+                head = Inflated(self.data, at + 8, at + 8 + n, self.where).head(_HEAD)
+                return Block(tag, at, at + 8 + n, -1, "body", head)
+        return Block(tag, at, at + 8 + n, n)
 
     def _repeats(self, block: Block) -> int:
         """States of equal size follow one another: find them in one strided look instead of one by one."""
         length = block.stop - block.start
         at, many = block.stop, 16
-        while True:
+        while length >= 12:  # tag, size and the first word of the payload
             n = min(many, (self.size - at) // length)
             if n < 1:
                 return at
@@ -137,6 +157,7 @@ class Container:
             if k < n:
                 return at
             many *= 4
+        return at
 
     def _zlib_at(self, at: int) -> bool:
         a, b = self.data[at], self.data[at + 1]
@@ -145,39 +166,51 @@ class Container:
     def _whole(self, at: int) -> Block | None:
         """A block that FEBio compressed together with its tag and size; None where it is cut short."""
         if not self._zlib_at(at):
-            tag = self.head.unpack_from(self.data, at)[0]
-            if tag in _TOP:
-                return None  # cut short
-            raise InputError(f"damaged at byte {at}: {tag:#010x} is no block of a plotfile", self.where)
-        size, used, head = self._inflated_size(at, self.size)
-        if used == 0:
+            self._check_cut(at)
             return None
-        tag, n = self.head.unpack_from(head) if len(head) >= 8 else (0, 0)
-        if tag not in (tags.STATE, tags.MESH) or n != size - 8:
+        stream = Inflated(self.data, at, self.size, self.where)
+        head = stream.head(_HEAD)
+        if len(head) < 8:
+            return None
+        tag, n = self.head.unpack_from(head)
+        if tag not in (tags.STATE, tags.MESH):
             raise InputError(f"damaged at byte {at}: compressed data is no state of a plotfile", self.where)
-        return Block(tag, at, at + used, n, "block", head[8:])
+        self._plausible(at, tag, n)
+        end = stream.end(n + 8)
+        if end is None:
+            return None
+        size, stop = end
+        if size != n + 8:
+            raise InputError(f"damaged at byte {at}: compressed data is no state of a plotfile", self.where)
+        if tag == tags.MESH and n > max(_WORTH_A_LOOK, _DENSEST * (stop - at)):
+            raise InputError(f"damaged at byte {at}: {stop - at} bytes unfold to a mesh of {n}", self.where)
+        return Block(tag, at, stop, n, "block", head[8:])
 
-    def _inflated_size(self, start: int, stop: int) -> tuple[int, int, bytes]:
-        """Inflate without keeping: (bytes out, bytes used, first bytes); used = 0 where it is cut."""
-        z = zlib.decompressobj()
-        at, size, head = start, 0, b""
-        try:
-            while not z.eof:
-                if not z.unconsumed_tail and at >= stop:
-                    return size, 0, head
-                piece = z.unconsumed_tail
-                if not piece:
-                    piece = self.data[at : min(at + _PIECE, stop)]
-                    at += len(piece)
-                out = z.decompress(piece, _PIECE)
-                head = head or out[:_HEAD]
-                size += len(out)
-        except zlib.error as e:
-            raise InputError(f"damaged at byte {start}: {e}", self.where) from None
-        return size, at - start - len(z.unused_data), head
+    def _check_cut(self, at: int) -> None:
+        """Raise unless the file ends within the block at ``at``, or in zeros that were never written over."""
+        tag, n = self.head.unpack_from(self.data, at)
+        if tag in _TOP:
+            last = self.blocks[-1] if self.blocks else None
+            after = at + last.stop - last.start if last and last.tag == tag == tags.STATE else self.size
+            if after + 8 <= self.size and self.head.unpack_from(self.data, after)[0] == tags.STATE:
+                say = f"a state of {n} bytes runs past the end of the file, but another follows at byte {after}"
+                raise InputError(f"damaged at byte {at}: {say}", self.where)
+            return
+        if not any(self.data[i : i + PIECE].strip(b"\0") for i in range(at, self.size, PIECE)):
+            return
+        raise InputError(f"damaged at byte {at}: {tag:#010x} is no block of a plotfile", self.where)
+
+    def _plausible(self, at: int, tag: int, size: int) -> None:
+        """Refuse a packed state that claims far more than the mesh and the variables can fill."""
+        if tag != tags.STATE or size <= _WORTH_A_LOOK or self.room is None:
+            return
+        room = self.room(self)
+        if size > 2 * room + _WORTH_A_LOOK:
+            say = f"a state that unfolds to {size} bytes, where mesh and variables fill {room} at most"
+            raise InputError(f"damaged at byte {at}: {say}", self.where)
 
     def payload(self, block: Block) -> Bytes:
-        """The bytes of a block; the last inflated block is kept."""
+        """The bytes of a block; the last packed block that was read is kept."""
         if not block.packed:
             return Bytes(self.data, block.start + 8, block.stop)
         kept = self._inflated  # one look: another thread may replace it
@@ -187,12 +220,20 @@ class Container:
 
     def _inflate(self, block: Block) -> Bytes:
         head = 8 if block.packed == "block" else 0
-        raw = self.data[block.start + 8 - head : block.stop]
-        try:
-            out = zlib.decompressobj().decompress(raw, block.size + head)
-        except zlib.error as e:
-            raise InputError(f"damaged at byte {block.start}: {e}", self.where) from None
-        return Bytes(out, head, len(out))
+        stream = Inflated(self.data, block.start + 8 - head, block.stop, self.where)
+        size = block.size + head
+        if size <= KEPT:  # or not known
+            out = stream.whole(KEPT)
+            if out is not None:
+                return Bytes(out, head, len(out))
+        if block.size < 0:
+            most = None if self.room is None else 2 * self.room(self) + _WORTH_A_LOOK
+            end = stream.end(most)
+            if end is None:
+                raise InputError(f"damaged at byte {block.start}: the compressed state is cut short", self.where)
+            size = end[0]
+            self._plausible(block.start, block.tag, size)
+        return Bytes(stream, head, size)
 
     def children(self, b: Bytes, what: str) -> Iterator[tuple[int, Bytes]]:
         """The blocks inside a block; a block that runs over its parent's end is an error."""
@@ -200,7 +241,7 @@ class Container:
         while at < b.stop:
             if at + 8 > b.stop:
                 raise InputError(f"damaged {what}: {b.stop - at} stray bytes", self.where)
-            tag, n = self.head.unpack_from(b.data, at)
+            tag, n = self.head.unpack(b.data[at : at + 8])
             if at + 8 + n > b.stop:
                 say = f"damaged {what}: block {tag:#010x} of {n} bytes runs over its end"
                 raise InputError(say, self.where)
@@ -211,15 +252,17 @@ class Container:
         """An unsigned integer."""
         if b.stop - b.start < 4:
             raise InputError(f"damaged {what}: an integer has {b.stop - b.start} bytes", self.where)
-        return int(self._word.unpack_from(b.data, b.start)[0])
+        return int(self._word.unpack(b.data[b.start : b.start + 4])[0])
 
     def words(self, b: Bytes) -> np.ndarray:
         """All integers of a block, without a copy."""
-        return np.frombuffer(b.data, self.order + "i4", (b.stop - b.start) // 4, b.start)
+        data, start = b.flat()
+        return np.frombuffer(data, self.order + "i4", (b.stop - b.start) // 4, start)
 
     def floats(self, b: Bytes) -> np.ndarray:
         """All floats of a block, without a copy."""
-        return np.frombuffer(b.data, self.order + "f4", (b.stop - b.start) // 4, b.start)
+        data, start = b.flat()
+        return np.frombuffer(data, self.order + "f4", (b.stop - b.start) // 4, start)
 
     def text(self, b: Bytes) -> str:
         """A string, stored either as u32 length + characters or as zero-padded characters."""
@@ -231,8 +274,9 @@ class Container:
         return _decode(raw.split(b"\0")[0])
 
     def name64(self, b: Bytes) -> str:
-        """Zero-padded characters."""
-        return _decode(bytes(b.data[b.start : b.stop]).split(b"\0")[0])
+        """Zero-padded characters, 64 at most."""
+        raw = bytes(b.data[b.start : min(b.stop, b.start + tags.NAME_SIZE)])
+        return _decode(raw.split(b"\0")[0])
 
     def close(self) -> None:
         self._inflated = None

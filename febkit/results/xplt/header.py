@@ -10,7 +10,7 @@ from . import tags
 from .container import Bytes, Container
 from .records import PlotVariable
 
-ARRAY_LIMIT = 1 << 16  # components of an array variable; more is damage
+ARRAY_LIMIT = 1 << 12  # components of an array variable; more is damage
 
 
 @dataclass(slots=True)

@@ -168,7 +168,7 @@ def _rows(c: Container, b: Bytes | None, what: str, width: int | None = None) ->
     """Blocks of equal size, each a row of integers: (row, width)."""
     if b is None or b.stop == b.start:
         return np.empty((0, width or 0), np.int32)
-    _, n = c.head.unpack_from(b.data, b.start) if b.stop - b.start >= 8 else (0, 0)
+    _, n = c.head.unpack(b.data[b.start : b.start + 8]) if b.stop - b.start >= 8 else (0, 0)
     w = n // 4
     if n % 4 or (b.stop - b.start) % (n + 8) or (width is not None and w != width):
         raise InputError(f"damaged {what}: rows of {n} bytes do not fill {b.stop - b.start}", c.where)

@@ -40,14 +40,22 @@ class PlotFile:
     """A plotfile, any version. Opening indexes blocks; meshes, layouts and data are read when touched."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.container = Container(path)
+        self.container = Container(path, state_room)
+        try:
+            self._index()
+        except BaseException:
+            self.container.close()
+            raise
+
+    def _index(self) -> None:
         self.header = header.read(self.container)
         self.variables = self.header.variables
         self.states: list[State] = []
         self._mesh_at: list[Bytes | Block] = [self.header.mesh] if self.header.mesh else []
         self._outlines: dict[int, MeshOutline] = {}
         self._meshes: dict[int, PlotMesh] = {}
-        self._layouts: dict[int, Layout] = {}
+        self._layouts: dict[int, Layout] = {}  # by size, the last one
+        self._streamed: dict[int, Layout] = {}  # by state, of those too large to be held
         self._seen = 0
         self._take()
 
@@ -99,11 +107,16 @@ class PlotFile:
 
     def layout(self, state: int) -> Layout:
         """Where a state's data lie; a state of the same size is checked against the last such layout."""
+        if state in self._streamed:
+            return self._streamed[state]
         b = self.payload(state)
+        if b.streamed:
+            self._streamed[state] = made = _Walk(self, b).layout()
+            return made
         size = b.stop - b.start
         known = self._layouts.get(size)
         if known is not None:
-            words = np.frombuffer(b.data, self.container.order + "u4", size // 4, b.start)
+            words = self.container.words(b).view(self.container.order + "u4")
             if np.array_equal(words[known.at], known.words):
                 return known
         self._layouts[size] = made = _Walk(self, b).layout()
@@ -129,6 +142,10 @@ class PlotFile:
         out = np.zeros(len(self.states), np.int32)
         i = 0
         while i < len(out):
+            if self.states[i].block.packed:
+                out[i] = self.status(i)
+                i += 1
+                continue
             n, at = self._run(i), self.layout(i).status
             out[i : i + n] = self._strided(i, n, at, "i4") if n > 1 and at >= 0 else self.status(i)
             i += n if at >= 0 else 1
@@ -157,44 +174,63 @@ class PlotFile:
         return np.ndarray((n,), order + kind, data, start, (step,))
 
     def time(self, state: int) -> float:
-        known = self._packed_time(self.states[state].block)
+        known = self._head_word(state, tags.STATE_HDR_TIME)
         if known is not None:
-            return known
+            return float(self.container.floats(known)[0])
         b, at = self.payload(state), self.layout(state).time
         return float(self.container.floats(Bytes(b.data, b.start + at, b.start + at + 4))[0])
 
-    def _packed_time(self, block: Block) -> float | None:
-        """The time of a compressed state from its first bytes, if it stands there."""
-        c = self.container
-        if len(block.head) < 20 or c.head.unpack_from(block.head)[0] != tags.STATE_HEADER:
+    def _head_word(self, state: int, wanted: int) -> Bytes | None:
+        """A word of a packed state's header, if it is among the bytes that are kept of it."""
+        c, head = self.container, self.states[state].block.head
+        if len(head) < 8 or c.head.unpack_from(head)[0] != tags.STATE_HEADER:
             return None
-        tag, n = c.head.unpack_from(block.head, 8)
-        return float(c.floats(Bytes(block.head, 16, 20))[0]) if (tag, n) == (tags.STATE_HDR_TIME, 4) else None
+        at, end = 8, min(8 + c.head.unpack_from(head)[1], len(head))
+        while at + 12 <= end:
+            tag, n = c.head.unpack_from(head, at)
+            if n != 4:
+                return None
+            if tag == wanted:
+                return Bytes(head, at + 8, at + 12)
+            at += 12
+        return None
 
     def status(self, state: int) -> int:
+        known = self._head_word(state, tags.STATE_STATUS)
+        if known is not None:
+            return int(self.container.words(known)[0])
         b, at = self.payload(state), self.layout(state).status
         return 0 if at < 0 else int(self.container.words(Bytes(b.data, b.start + at, b.start + at + 4))[0])
 
     def element_state(self, state: int) -> np.ndarray | None:
-        """One flag per element (1: active); None where the file has none."""
+        """One flag per element (1: active), as many as the file holds; None where it has none."""
         found = self.layout(state).flags
         if found is None:
             return None
-        b = self.payload(state)
-        return self.container.words(Bytes(b.data, b.start + found[0], b.start + sum(found))).view("u4")
+        b = self._small(state, found[1], "flags of elements")
+        words = self.container.words(Bytes(b.data, b.start + found[0], b.start + sum(found)))
+        return words.view(self.container.order + "u4")
 
     def objects(self, state: int) -> bytes:
         found = self.layout(state).objects
         if found is None:
             return b""
-        b = self.payload(state)
+        b = self._small(state, found[1], "values of objects")
         return bytes(b.data[b.start + found[0] : b.start + sum(found)])
 
     def regions(self, variable: int, state: int) -> Iterator[tuple[int, np.ndarray]]:
         """(region, flat float32 values) of one variable in one state, without a copy."""
-        b = self.payload(state)
         for region, at, n in self.layout(state).regions[variable]:
+            b = self._small(state, n, repr(self.variables[variable].name))
             yield region, self.container.floats(Bytes(b.data, b.start + at, b.start + at + n))
+
+    def _small(self, state: int, n: int, what: str) -> Bytes:
+        """The payload of a state of which ``n`` bytes are wanted; refused where they unfold from almost nothing."""
+        b = self.payload(state)
+        if b.streamed and n > _room(self.header, self.outline(max(self.states[state].mesh, 0))):
+            say = f"damaged state: {n} bytes of {what}, more than its mesh has room for"
+            raise InputError(say, self.container.where)
+        return b
 
     def close(self) -> None:
         self.container.close()
@@ -209,6 +245,24 @@ class PlotFile:
         self.close()
 
 
+def state_room(c: Container) -> int:
+    """Bytes that a state of the last mesh in the file can fill at most."""
+    h = header.read(c)
+    at = next((b for b in reversed(c.blocks) if b.tag == tags.MESH), None)
+    section = h.mesh if at is None else c.payload(at)
+    return 0 if section is None else _room(h, meshes.outline(c, section, h))
+
+
+def _room(h: header.Header, o: MeshOutline) -> int:
+    """Every variable on every node, element, facet and line of every region, flags of the elements, the objects."""
+    facets = [s.rows().size for s in (*o.surfaces, *o.edges)]
+    regions = len(o.domains) + len(facets)
+    rows = o.n_nodes + sum(d.count * d.width for d in o.domains) + sum(facets) + regions
+    values = sum(v.values for v in h.variables)
+    heads = 16 * len(h.variables) * (regions + 1)
+    return 4 * rows * values + heads + 4 * o.n_elements + 2 * len(o.objects) + 4096
+
+
 class _Walk:
     """Walks a state's blocks once and notes where everything is."""
 
@@ -216,7 +270,8 @@ class _Walk:
         self.c = f.container
         self.b = b
         self.start = b.start
-        self.at: list[int] = []
+        self.at: list[int] = []  # offsets of all tags, sizes and variable numbers, and what stands there
+        self.words: list[int] = []
         self.time = self.status = -1
         self.flags: tuple[int, int] | None = None
         self.objects: tuple[int, int] | None = None
@@ -239,19 +294,17 @@ class _Walk:
                 self.objects = self._span(b)
         if self.time < 0:
             raise InputError("a state has no time", self.c.where)
-        at = np.array(self.at)
-        aligned = not (at % 4).any()
-        at = at // 4 if aligned else np.empty(0, int)
-        words = np.frombuffer(self.b.data, self.c.order + "u4", (self.b.stop - self.start) // 4, self.start)
-        # words that never match make a state of odd layout be walked each time
-        kept = words[at] if aligned else np.zeros(1, "u4")
+        at, kept = np.array(self.at), np.array(self.words, "u4")
+        if (at % 4).any():  # words that never match make a state of odd layout be walked each time
+            at, kept = np.empty(0, int), np.zeros(1, "u4")
         regions = tuple(map(tuple, self.regions))
-        return Layout(regions, self.time, self.status, self.flags, self.objects, at, kept)
+        return Layout(regions, self.time, self.status, self.flags, self.objects, at // 4, kept)
 
     def _blocks(self, b: Bytes) -> Iterator[tuple[int, Bytes]]:
         for tag, inner in self.c.children(b, "state"):
             at = inner.start - self.start
             self.at += [at - 8, at - 4]
+            self.words += [tag, inner.stop - inner.start]
             yield tag, inner
 
     def _span(self, b: Bytes) -> tuple[int, int]:
@@ -283,6 +336,7 @@ class _Walk:
             if tag == tags.STATE_VAR_ID:
                 number = self.c.word(b, "state variable")
                 self.at.append(b.start - self.start)
+                self.words.append(number)
             elif tag == tags.STATE_VAR_DATA:
                 if not 1 <= number <= len(mine):
                     say = f"a state holds {section} variable {number} of {len(mine)}"

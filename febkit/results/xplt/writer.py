@@ -78,7 +78,7 @@ class PlotWriter:
     ) -> None:
         """Append one state; ``status`` 0 converged, 1 the mesh changed, 2 not converged.
 
-        ``element_state`` holds one flag per element (bit 0: active), all active where None.
+        ``element_state`` holds one flag per element (bit 0: active), all active where None; empty: none are listed.
         """
         unknown = [n for n in data if n not in self._keys]
         if unknown:
@@ -89,7 +89,7 @@ class PlotWriter:
         flags = np.ones(self._mesh.n_elements, "<u4")
         if element_state is not None:
             flags = np.asarray(element_state, "<u4")
-        if len(flags) != self._mesh.n_elements:
+        if len(flags) not in (0, self._mesh.n_elements):
             raise ValueError(f"element_state has {len(flags)} flags for {self._mesh.n_elements} elements")
         parts = [
             encode.block(tags.STATE_HEADER, head),
