@@ -2,13 +2,14 @@
 
 Dimensions: ``time``, ``node``, ``element``, ``local`` (nodes of an element), components ``xyz``, ``voigt``
 (xx yy zz xy yz xz), ``tensor`` (row-major), ``principal``, ``voigt4``; ``domain`` for one value per domain;
-``facet``, ``facet_local``, ``surface``, ``surface_node`` for surfaces; ``edge_*`` for edges.
+``facet``, ``facet_local``, ``surface``, ``surface_node`` for surfaces; ``edge_*`` for edges; ``solute`` and
+``solid_bound`` for arrays over the species of a mixture, with their names as coordinates, also where there is one.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -20,7 +21,7 @@ from xarray.core import indexing
 from febkit.model import InputError
 
 from . import units
-from .fields import Field, Places, components
+from .fields import Field, Places, components, species
 from .xplt.reader import PlotFile
 from .xplt.records import MeshOutline, PlotSurface, PlotVariable
 
@@ -165,7 +166,7 @@ def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
             continue
         field = Field(f, states, i, v, places, apart)
         name = _free(variable_name(v.name), v.section, {*data, *coords})
-        dims, extra = _dims(v, name, apart)
+        dims, extra = _dims(v, name, apart, coords)
         lazy = indexing.LazilyIndexedArray(FrameArray(field, len(states)))
         data[name] = xr.Variable(("time", *dims), lazy, _attrs(f, v, i, field))
         coords |= {k: c for k, c in extra.items() if k not in coords}
@@ -209,19 +210,25 @@ def _attrs(f: PlotFile, v: PlotVariable, index: int, field: Field) -> dict[str, 
     return out
 
 
-def _dims(v: PlotVariable, name: str, apart: bool) -> tuple[tuple[str, ...], dict[str, xr.Variable]]:
-    """Dimensions after time, and coordinates that these bring."""
+def _dims(
+    v: PlotVariable, name: str, apart: bool, known: Mapping[Hashable, Any]
+) -> tuple[tuple[str, ...], dict[str, xr.Variable]]:
+    """Dimensions after time, and coordinates that these bring; ``known`` are those of the variables before."""
     lead = _LEADS[v.section, v.format]
     if apart and (v.section, v.format) == ("domain", "node"):
         lead = ("domain_node",)
     dim, labels = components(v)
     if dim:
         return (*lead, dim), {dim: xr.Variable((dim,), list(labels))}
-    if v.type == "array vec3f" or (v.type == "array" and v.n > 1):
-        own = f"{name}_item"
-        extra = {}
-        if len(v.array_names) == v.n:
-            extra[own] = xr.Variable((own,), list(v.array_names))
+    kind = species(v)
+    if v.type == "array vec3f" or (v.type == "array" and (v.n > 1 or kind)):
+        own = kind or f"{name}_item"
+        names = list(v.array_names) if len(v.array_names) == v.n else []
+        if kind and not names:
+            names = [f"{kind.replace('_', ' ')} {k}" for k in range(1, v.n + 1)]
+        if kind and kind in known and list(known[kind].values) != names:  # of another model: not the same species
+            own = f"{name}_item"
+        extra = {own: xr.Variable((own,), names)} if names else {}
         if v.type == "array vec3f":
             extra["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"])
             return (*lead, own, "xyz"), extra

@@ -234,7 +234,12 @@ def tail(v: PlotVariable) -> tuple[int, ...]:
     """Shape of one value."""
     if v.type == "array vec3f":
         return (v.n, 3)
-    return (v.values,) if v.values > 1 else ()
+    return (v.values,) if v.values > 1 or (v.type == "array" and species(v)) else ()
+
+
+def species(v: PlotVariable) -> str | None:
+    """The dimension of an array over the solutes, or the solid-bound molecules, of the whole model; else None."""
+    return SPECIES.get(v.name.split("=")[0].strip()) if v.type.startswith("array") and v.n else None
 
 
 def components(v: PlotVariable) -> tuple[str | None, tuple[str, ...]]:
@@ -242,6 +247,16 @@ def components(v: PlotVariable) -> tuple[str | None, tuple[str, ...]]:
     return _COMPONENTS.get(v.type, (None, ()))
 
 
+# arrays over the species of <Globals>: FEBio sizes them by the model, not by the part (FEBioMixPlot)
+SPECIES = {
+    **dict.fromkeys((
+        "effective solute concentration", "effective shell solute concentration", "solute concentration",
+        "concentration gap", "partition coefficient", "solute flux", "solute volumetric flux",
+    ), "solute"),
+    **dict.fromkeys((
+        "sbm concentration", "sbm areal concentration", "sbm referential apparent density",
+    ), "solid_bound"),
+}  # fmt: skip
 _COMPONENTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "vec3f": ("xyz", ("x", "y", "z")),
     "mat3fs": ("voigt", ("xx", "yy", "zz", "xy", "yz", "xz")),

@@ -139,12 +139,20 @@ def _variable(a: xr.DataArray, name: str) -> PlotVariable | None:
     dims = tuple(str(d) for d in a.dims)
     if not dims or dims[0] != "time" or a.dtype.kind not in "fiu":
         return None
+    if dims[-1] in ("solute", "solid_bound") and dims[1:-1] in _NEW:
+        names = tuple(str(n) for n in a[dims[-1]].values) if dims[-1] in a.coords else ()
+        return PlotVariable(name.replace("_", " "), *_of(dims[1:-1], "array"), a.sizes[dims[-1]], None, names)
     component = tuple(d for d in dims[1:] if (d,) in _TYPES)
     lead = dims[1 : len(dims) - len(component)]
     if component not in _TYPES or lead not in _NEW:
         return None
+    return PlotVariable(name.replace("_", " "), *_of(lead, _TYPES[component]))
+
+
+def _of(lead: tuple[str, ...], kind: str) -> tuple[str, str, str]:
+    """Section, type and format of a variable with these leading dimensions."""
     section, fmt = _NEW[lead]
-    return PlotVariable(name.replace("_", " "), section, _TYPES[component], fmt)
+    return section, kind, fmt
 
 
 def _regions(a: xr.DataArray, v: PlotVariable, t: int, p: Places) -> dict[int, np.ndarray]:

@@ -236,9 +236,11 @@ def random_plot():
     """``make(path, seed, states, variables, **options)`` writes a random plotfile; (mesh, variables, data)."""
     from febkit.results.xplt.writer import PlotWriter
 
-    def make(path: Path, seed: int = 0, states: int = 3, some: int | None = None, **options: object):
+    def make(path: Path, seed: int = 0, states: int = 3, some: int | None = None,
+             variables: list[PlotVariable] | None = None, **options: object):  # fmt: skip
         rng = np.random.default_rng(seed)
-        mesh, variables = random_mesh(rng), random_variables(rng)[:some]
+        mesh = random_mesh(rng)
+        variables = random_variables(rng)[:some] if variables is None else variables
         data = []
         with PlotWriter(path, mesh, variables, **options) as w:  # type: ignore[arg-type]
             for t in range(states):
