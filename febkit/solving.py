@@ -84,4 +84,6 @@ def solve(
         from febkit.output.progress import ProgressListener
 
         told.append(ProgressListener(Path(model.file).name or "solving"))
-    return run(problem, told, options)
+    from febkit.output.warned import WarningListener
+
+    return run(problem, [*told, WarningListener(tell)], options)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from time import perf_counter
+from .compilation import now
 
 
 class Clock:
-    """Adds up wall seconds by name: ``with clock("tangent"): ...``, one part at a time."""
+    """Adds up wall seconds by name: ``with clock("tangent"): ...``, one part at a time; compiling is not counted."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
@@ -27,7 +27,7 @@ class _Part:
         self.seconds, self.name, self.start = seconds, name, 0.0
 
     def __enter__(self) -> None:
-        self.start = perf_counter()
+        self.start = now()
 
     def __exit__(self, *failure: object) -> None:
-        self.seconds[self.name] = self.seconds.get(self.name, 0.0) + perf_counter() - self.start
+        self.seconds[self.name] = self.seconds.get(self.name, 0.0) + now() - self.start

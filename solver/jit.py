@@ -2,11 +2,12 @@
 
 A kernel is compiled when it is first called: knowing what the solver can do does not cost it. numba compiles,
 and is imported only for that: code on disk is loaded by :mod:`.native`, one object for each list of argument types.
-What that cannot hold (tuples as arguments or results) or cannot load goes through numba's dispatcher and cache.
+What that cannot hold (tuples as arguments or results) or cannot load goes through numba's dispatcher, made in
+:mod:`.dispatch`.
 
-numba's own cache does not renew a caller whose callee in another file was edited. Here the cache
-folder of a kernel is ``<user cache>/febkit/<hash>`` where the hash covers the file of the kernel and
-every solver file it imports, directly or not; an edit anywhere below moves to a fresh folder.
+A caller's machine code holds that of its callees. So the folder of a kernel is ``<user cache>/febkit/<hash>``
+(:mod:`.cache`) where the hash covers the file of the kernel and every solver file it imports, directly or not; an
+edit anywhere below moves to a fresh folder.
 """
 
 from __future__ import annotations
@@ -17,33 +18,22 @@ import re
 import sys
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from functools import lru_cache, update_wrapper
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-from .native import MISS, available, describe, linker, name_of, read, write
+from . import cache
+from .compilation import compiling, paused
+from .native import MISS, available, describe, linker, name_of, pack, unpack
 
 _ROOT = Path(__file__).resolve().parent
-_MAKERS = hashlib.sha256(b"".join((_ROOT / f).read_bytes() for f in ("native.py", "compile.py"))).hexdigest()
-_LOCK = threading.RLock()  # the cache folder is a setting of numba's as a whole
+_OWN = ("cache.py", "compile.py", "dispatch.py", "native.py")  # what makes machine code and keeps it
+_MAKERS = hashlib.sha256(b"".join((_ROOT / f).read_bytes() for f in _OWN)).hexdigest()
+_FINDING = threading.RLock()  # one thread at a time loads or makes machine code
+_ASKING = threading.Lock()  # or a dispatcher, which a compiling thread asks for
 _IMPORT = re.compile(r"^\s*from\s+(\.+)([\w.]*)\s+import\s+\(?([^)#\n]*)", re.M)
 F = TypeVar("F", bound=Callable[..., Any])
-
-
-def cache_root() -> Path:
-    """Folder of all cached machine code; ``FEBKIT_CACHE`` overrides the user's cache folder."""
-    own = os.environ.get("FEBKIT_CACHE")
-    if own:
-        return Path(own)
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = str(Path.home() / "Library" / "Caches")
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "febkit"
 
 
 @lru_cache(maxsize=None)
@@ -100,9 +90,11 @@ class Kernel:
     def compiled(self) -> Any:
         """numba's dispatcher, made when it is first asked for."""
         if self._compiled is None:
-            with _LOCK:
+            with _ASKING:
                 if self._compiled is None:
-                    self._compiled = _dispatcher(self.function, self.options, self.folder)
+                    from .dispatch import dispatcher
+
+                    self._compiled = dispatcher(self.function, self.options, self.folder, self.source)
         return self._compiled
 
     @property
@@ -111,9 +103,25 @@ class Kernel:
         return self.compiled._numba_type_
 
     @property
-    def folder(self) -> Path:
-        """Where the kernel's machine code is kept."""
-        return cache_root() / source_hash(Path(self.function.__code__.co_filename).resolve())
+    def folder(self) -> Path | None:
+        """Where the kernel's machine code is kept; None where it cannot be."""
+        root = cache.root()
+        if root is None:
+            cache.unkept()
+            return None
+        return root / source_hash(Path(self.function.__code__.co_filename).resolve())
+
+    @property
+    def source(self) -> str | None:
+        """What tells a kernel from others of its folder: its name, and the numbers and kernels it encloses.
+
+        None where it encloses what has no name on disk.
+        """
+        fn = self.function
+        enclosed = [c.cell_contents for c in fn.__closure__ or ()]
+        if not all(isinstance(c, (int, float, str, Kernel)) for c in enclosed):
+            return None
+        return " ".join([fn.__qualname__, *(c.__qualname__ if isinstance(c, Kernel) else repr(c) for c in enclosed)])
 
     def __call__(self, *args: Any) -> Any:
         for native in self._native:
@@ -122,7 +130,7 @@ class Kernel:
                 return out
         types = describe(args) if available() else None
         if types is not None and types not in self._seen:
-            with _LOCK:  # the first caller finds the code, the others wait for it
+            with _FINDING:  # the first caller finds the code, the others wait for it
                 if types not in self._seen:
                     found = self._find(types)
                     self._native += (found,) if found else ()
@@ -133,48 +141,35 @@ class Kernel:
     def _find(self, types: str) -> Callable[..., Any] | None:
         """Machine code for the described arguments, from disk or made now; None where numba must do."""
         try:
-            name = name_of(self.__name__, f"{self.folder.name} {_identity(self.function)}", types)
-            path = self.folder / f"{name}.o"
-            stored = read(path)
-            if stored is None:
-                from .compile import compiled
-
-                stored = compiled(self.function, self.options, types, name)
-                with suppress(OSError):  # a read-only home: compile in every process rather than fail
-                    path.parent.mkdir(parents=True, exist_ok=True)
-                    write(path, *stored)
-            return linker().link(stored[0], name, stored[1])
+            folder, source = self.folder, self.source
+            if folder is None or source is None:
+                raise LookupError("it has no place or no name on disk")
+            name = name_of(self.__name__, f"{folder.name} {source}", types)
+            path = folder / f"{name}.o"
+            stored = cache.read(path) or self._make(path, types)
+            code, undefined = unpack(stored)
+            return linker().link(code, name, undefined)
         except Exception as e:  # numba's dispatcher runs it, or says what is wrong with it
             if os.environ.get("FEBKIT_NATIVE") == "1":
                 raise RuntimeError(f"no machine code of its own for {self.__name__}({types}): {e}") from e
             return None
 
+    def _make(self, path: Path, types: str) -> bytes:
+        """Machine code for the described arguments, made by this process or by one that was quicker."""
+        with paused(), cache.turn(path):
+            stored = cache.read(path)
+            if stored is None:
+                with compiling(self.function):
+                    from .compile import compiled
+
+                    stored = pack(*compiled(self.function, self.options, types, path.stem))
+                cache.write(path, stored)
+            return stored
+
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__") or name == "_compiled":
             raise AttributeError(name)
         return getattr(self.compiled, name)
-
-
-def _identity(fn: Callable[..., Any]) -> str:
-    """What tells a kernel from others of its file: its name, and the numbers and kernels it encloses."""
-    enclosed = [c.cell_contents for c in fn.__closure__ or ()]
-    if not all(isinstance(c, (int, float, str, Kernel)) for c in enclosed):
-        raise TypeError(f"{fn.__qualname__} encloses what has no name on disk")
-    return " ".join([fn.__qualname__, *(c.__qualname__ if isinstance(c, Kernel) else repr(c) for c in enclosed)])
-
-
-def _dispatcher(fn: Callable[..., Any], options: dict[str, Any], folder: Path) -> Any:
-    import numba
-
-    old = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
-        return numba.njit(nogil=True, cache=True, error_model="numpy", **options)(fn)
-    except OSError:  # a read-only home: compile without a cache rather than fail
-        return numba.njit(nogil=True, error_model="numpy", **options)(fn)
-    finally:
-        numba.config.CACHE_DIR = old  # type: ignore[attr-defined]
 
 
 def kernel(fn: F | None = None, **options: Any) -> Any:

@@ -20,7 +20,6 @@ import sys
 import sysconfig
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,8 +33,6 @@ DTYPES = {np.dtype(c): c for c in ("f8", "f4", "i8", "i4", "?")}
 SCALARS: dict[type, str] = {
     int: "int", np.int64: "int", float: "float", np.float64: "float", bool: "bool", np.bool_: "bool",
 }  # fmt: skip
-_MAGIC = b"febkit1\n"
-_HEAD = struct.Struct("<8s32sI")  # magic, sha256 of the rest, length of the names of undefined symbols
 
 # addresses that objects refer to by name: types, singletons and array types of the running interpreter
 _NAMED: dict[str, object] = {
@@ -128,11 +125,6 @@ class Linker:
         self._function.restype = ctypes.py_object
         self._function.argtypes = [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
         self._kept: list[_Definition] = []
-        # what machine code made here is for
-        self.processor = (
-            f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
-        )
-
     def link(self, code: bytes, name: str, undefined: list[str]) -> Callable[..., Any]:
         """The function ``name`` of an object. Raises LookupError where a symbol it needs is not in this process."""
         missing = [s for s in undefined if not self._llvm.address_of_symbol(s)]
@@ -153,32 +145,32 @@ def linker() -> Linker:
     return Linker()
 
 
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """What machine code made here is for."""
+    import llvmlite.binding as llvm
+
+    try:
+        features = llvm.get_host_cpu_features().flatten()
+    except RuntimeError:  # LLVM cannot tell on every architecture
+        features = ""
+    return f"{llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features}"
+
+
 def name_of(kernel: str, source: str, types: str) -> str:
-    """The name of an object: kernel, and a hash of sources, argument types, processor and numba's settings."""
+    """The name of a kernel's file: a hash of sources, argument types, processor and numba's settings behind its own."""
     settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR")
-    text = "\n".join([source, types, linker().processor, *settings])
+    text = "\n".join([source, types, processor(), *settings])
     return f"{kernel}_{hashlib.sha256(text.encode()).hexdigest()[:24]}"
 
 
-def write(path: Path, code: bytes, undefined: list[str]) -> None:
-    """Keep an object and the symbols it needs; a reader sees the old file or the new one."""
+def pack(code: bytes, undefined: list[str]) -> bytes:
+    """An object and the symbols it needs, as one string of bytes."""
     names = "\n".join(undefined).encode()
-    body = names + code
-    beside = path.with_name(f"{path.name}.{os.getpid()}")
-    beside.write_bytes(_HEAD.pack(_MAGIC, hashlib.sha256(body).digest(), len(names)) + body)
-    beside.replace(path)
+    return struct.pack("<I", len(names)) + names + code
 
 
-def read(path: Path) -> tuple[bytes, list[str]] | None:
-    """The object and the symbols it needs, or None where there is no sound file."""
-    try:
-        data = path.read_bytes()
-    except OSError:
-        return None
-    if len(data) < _HEAD.size:
-        return None
-    magic, digest, n = _HEAD.unpack_from(data)
-    body = data[_HEAD.size :]
-    if magic != _MAGIC or hashlib.sha256(body).digest() != digest:
-        return None
-    return body[n:], body[:n].decode().split()
+def unpack(stored: bytes) -> tuple[bytes, list[str]]:
+    """The object and the symbols it needs."""
+    (n,) = struct.unpack_from("<I", stored)
+    return stored[4 + n :], stored[4 : 4 + n].decode().split()

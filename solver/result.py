@@ -9,7 +9,10 @@ from .state import State
 
 @dataclass
 class Totals:
-    """Work done: time steps, Newton iterations, residuals, reformations, retries, seconds by part."""
+    """Work done: time steps, Newton iterations, residuals, reformations, retries, seconds by part.
+
+    Seconds of "compiling" are in no other part, and not in "total".
+    """
 
     steps: int = 0
     iterations: int = 0
@@ -17,6 +20,7 @@ class Totals:
     reforms: int = 0
     retries: int = 0
     guarded: int = 0  # steps solved by guarded Newton steps, beyond FEBio's retries
+    compiled: int = 0  # kernels that no earlier run had left on disk
     seconds: dict[str, float] = field(default_factory=dict)
     linear_solver: str = ""
     factor: dict[str, float] = field(default_factory=dict)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from . import compilation
 from .clock import Clock
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
@@ -53,6 +53,10 @@ class Options:
 
 class Listener:
     """Told what happens; override what matters. The solver itself writes nothing."""
+
+    def compiling(self, run: Run, kernel: str) -> None: ...
+
+    def warning(self, run: Run, message: str) -> None: ...
 
     def start(self, run: Run) -> None: ...
 
@@ -100,7 +104,8 @@ class Run:
     # ---- the loop ---------------------------------------------------------------------------------
     def solve(self) -> Result:
         """Run all steps. Failure and interruption end cleanly: what was saved stays."""
-        t0 = perf_counter()
+        t0, waited, made = compilation.now(), compilation.seconds(), compilation.count()
+        compilation.hears.append(self.tell)
         reason, interrupted = "", False
         try:
             self._set_up()
@@ -114,7 +119,12 @@ class Run:
             reason, interrupted = f"interrupted at time {self.state.time:g}", True
         except ElementFailure as e:
             reason = str(e)
-        self.totals.seconds["total"] = perf_counter() - t0
+        finally:
+            compilation.hears.remove(self.tell)
+        self.totals.seconds["total"] = compilation.now() - t0
+        self.totals.compiled = compilation.count() - made
+        if self.totals.compiled:
+            self.totals.seconds["compiling"] = compilation.seconds() - waited
         result = Result(not reason, reason, self.state, self.totals, self.times, interrupted)
         self.tell("end", result)
         self.team.close()

@@ -100,6 +100,12 @@ def _report(result: object, plot: Path, log: Path, said: list[str], verbose: boo
         f"[bold]{word}[/] to t = {s.time:g} in {t.seconds['total']:.2f} s: {t.steps} steps, {t.iterations} iterations, "
         f"{t.reforms} factorisations ({t.linear_solver}), {t.retries} retries"
     )
+    if t.compiled:
+        from febkit.solver import cache
+
+        kernels = "1 kernel" if t.compiled == 1 else f"{t.compiled} kernels"
+        once = ", once on this machine" if cache.keeps() else ""
+        out.print(f"  compiling {kernels} took {t.seconds['compiling']:.2f} s more{once}")
     if t.guarded:
         out.print(f"  {t.guarded} steps by guarded Newton steps, where the retries of the file were spent")
     out.print(f"  largest displacement {np.linalg.norm(s.u, axis=1).max():.6g}")

@@ -25,6 +25,9 @@ class LogListener(Listener):
     def warn(self, message: str) -> None:
         self.write(f" *  WARNING\n * {message}\n\n")
 
+    def compiling(self, run: Run, kernel: str) -> None:
+        self.write(f"compiling {kernel}\n")
+
     def start(self, run: Run) -> None:
         from febkit import __version__
 

@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any
 
+from febkit.solver import cache
 from febkit.solver.newton import Counts, Iteration
 from febkit.solver.result import Result
 from febkit.solver.run import Listener, Run
@@ -19,8 +20,26 @@ class ProgressListener(Listener):
         self._bar: Any = None
         self._task: Any = None
         self._said = 0.0
+        self._opened, self._kernels = False, 0
+
+    def compiling(self, run: Run, kernel: str) -> None:
+        """Said once where there is no terminal, else kernel by kernel."""
+        self._open(run)
+        self._kernels += 1
+        once = ", once on this machine" if cache.keeps() else ""
+        if self._bar is not None:
+            self._show(f"compiling kernel {self._kernels} ({kernel}){once}")
+        elif self._kernels == 1:
+            print(f"{self.title}: compiling the kernels that it needs{once}", file=sys.stderr, flush=True)
 
     def start(self, run: Run) -> None:
+        self._open(run)
+
+    def _open(self, run: Run) -> None:
+        """Draw the bar, unless it is there: kernels may be compiled before the run has started."""
+        if self._opened:
+            return
+        self._opened = True
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
