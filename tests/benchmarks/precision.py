@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 HERE = Path(__file__).resolve()
-sys.path.insert(0, str(HERE.parents[1] / "solver"))
+sys.path.insert(0, str(HERE.parents[1]))  # run as a script: helpers are beside the benchmarks
 DEFAULT = HERE.parents[2].parent / "shared" / "oracle" / "bench"
 ACCURACIES = (1e-2, 3e-3, 1e-3, 3e-4)
 Row = tuple[str, int, float, float, float]  # route, steps, seconds, error of u (or of the reaction), error of p
@@ -34,11 +34,11 @@ Row = tuple[str, int, float, float, float]  # route, steps, seconds, error of u 
 
 def confined() -> list[Row]:
     """Meshes of 10, 20 and 40 elements; equal steps and steps of their own size."""
-    import scenes
     import test_analytic as exact
 
     from febkit.solver.problem import AutoStep
     from febkit.solver.run import Options, run
+    from helpers import scenes
 
     def solve(n: int, steps: int, accuracy: float) -> Row:
         top = -1e-6

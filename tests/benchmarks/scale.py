@@ -23,14 +23,12 @@ from typing import Any
 import numpy as np
 
 HERE = Path(__file__).resolve()
-sys.path.insert(0, str(HERE.parents[1] / "solver"))
+sys.path.insert(0, str(HERE.parents[1]))  # run as a script: helpers are beside the benchmarks
 PARTS = ("analysis", "factor", "solve", "tangent", "residual", "run", "MB")
 
 
 def problem(n: int) -> Any:
     """The cube, with FEBio's default tolerances and steps of its stepper up to must points."""
-    import scenes
-
     from febkit.solver.permeabilities.const_iso import ConstIso
     from febkit.solver.problem import (
         TRANSIENT,
@@ -46,6 +44,7 @@ def problem(n: int) -> Any:
         Step,
     )
     from febkit.solver.solids.neo_hookean import NeoHookean
+    from helpers import scenes
 
     X, conn = scenes.grid((n, n, n))
     top = np.flatnonzero(X[:, 2] > 1 - 1e-9)

@@ -16,9 +16,7 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "solver"))
-import scenes
-
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script: helpers are beside the benchmarks
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
 from febkit.solver.permeabilities.const_iso import ConstIso
@@ -40,6 +38,7 @@ from febkit.solver.result import Result
 from febkit.solver.run import Options, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Expression
+from helpers import scenes
 
 E, V, K = 0.6, 0.2, 0.5
 

@@ -11,8 +11,7 @@ from febkit.feb import read_bytes, to_bytes
 from febkit.feb.convert import VERSIONS
 from febkit.feb.validation import check
 from febkit.model import InputError
-
-from .mutate import mutate
+from helpers.mutate import mutate
 
 DATA = sorted((Path(__file__).parent / "data").glob("*.feb"))
 COUNT = int(os.environ.get("FEBKIT_FUZZ", "600"))

@@ -85,6 +85,13 @@ def test_no_folder_or_file_is_called_utils() -> None:
     assert [p for f in SOURCES for p in _files(f) if "util" in str(p.relative_to(ROOT)).lower()] == []
 
 
+def test_tests_share_what_helpers_holds() -> None:
+    """Helpers are imported from tests/helpers (``pythonpath`` in pyproject.toml), not from folders put on the path."""
+    for path in (p for p in (ROOT / "tests").rglob("*.py") if p.parent.name != "benchmarks"):
+        calls = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
+        assert [n.lineno for n in calls if ast.unparse(n.func).startswith("sys.path.")] == [], path
+
+
 def test_links_for_static_readers() -> None:
     for name in ("solver", "templates"):
         assert (ROOT / "febkit" / name).resolve() == ROOT / name

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
+from house import supported
+
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(Path(__file__).parent))
-import supported
 
 TABLES = {
     "solids": "solver/solids", "permeabilities": "solver/permeabilities", "supplies": "solver/supplies",

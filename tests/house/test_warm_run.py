@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from febkit.solver import native
+from helpers.files import load
 
 BENCHMARK = Path(__file__).parents[1] / "benchmarks" / "startup.py"
 PROGRAM = """
@@ -31,12 +31,8 @@ UNWANTED = {
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    spec = importlib.util.spec_from_file_location("startup", BENCHMARK)
-    assert spec is not None and spec.loader is not None
-    startup = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(startup)
     path = tmp_path_factory.mktemp("one") / "one.feb"
-    path.write_text(startup.MODEL)
+    path.write_text(load(BENCHMARK).MODEL)
     return path
 
 

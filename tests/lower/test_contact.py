@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,7 @@ import pytest
 
 from febkit.lower import lower, unsupported
 from febkit.model import InputError
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 MATERIAL = '<material id="1" name="m" type="neo-Hookean"><density>1</density><E>2</E><v>0.3</v></material>'
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
 
 import febkit
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 SOFT = '<material id="1" name="m" type="neo-Hookean"><E>1</E><v>0.3</v></material>'
 CURVE = """<LoadData><load_controller id="2" type="loadcurve"><interpolate>STEP</interpolate><extend>CONSTANT</extend>

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,7 @@ from febkit.model import InputError
 from febkit.solver.points import Points
 from febkit.solver.solids.base import Solid, evaluate
 from febkit.solver.solids.neo_hookean import NeoHookean
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 
 def solid(folder: Path, W: str) -> Solid:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,7 @@ from febkit.lower import lower
 from febkit.model import UnsupportedError
 from febkit.solver.kernels.solid import kinematics
 from febkit.solver.run import Listener, Run
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 MATERIAL = '<material id="1" name="m" type="Mooney-Rivlin"><density>1</density><k>50</k><c1>1</c1><c2>0</c2></material>'
 CONTROL = """<time_steps>8</time_steps><step_size>0.05</step_size><solver type="solid"><rhoi>1</rhoi>

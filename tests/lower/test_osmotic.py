@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +13,7 @@ from febkit.solver.solids.base import Solid, evaluate
 from febkit.solver.solids.ellipsoidal_fibers import EllipsoidalFibers, EllipsoidalFibersOld
 from febkit.solver.solids.osmotic import Donnan
 from febkit.solver.values import Expression
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 R, T = 8.314e-6, 310.0
 GAS = f"<R>{R}</R><T>{T}</T>"

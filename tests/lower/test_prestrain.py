@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from febkit.solver.points import Points
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 F0 = (1.1, 0.02, 0.0, 0.03, 0.9, 0.01, 0.0, 0.04, 1.05)
 MATERIAL = """<material id="1" name="m" type="prestrain elastic">

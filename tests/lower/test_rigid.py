@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,7 @@ import pytest
 import febkit
 from febkit.lower import lower
 from febkit.model import InputError, UnsupportedError
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 SOFT = '<material id="1" name="m" type="neo-Hookean"><E>1</E><v>0.3</v></material>'
 RIGID = '<material id="2" name="plate" type="rigid body"><density>1</density>{}</material>'

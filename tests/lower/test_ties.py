@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,7 @@ import pytest
 from febkit.lower import lower
 from febkit.model import InputError, UnsupportedError
 from febkit.solver.loads import springs
-
-sys.path.insert(0, str(Path(__file__).parent))
-import cube
+from helpers import cube
 
 SOFT = '<material id="1" name="m" type="neo-Hookean"><E>1</E><v>0.3</v></material>'
 TIE = """<bc type="linear constraint"><node>6</node><dof>x</dof><offset>0.1</offset>

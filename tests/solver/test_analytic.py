@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +14,7 @@ from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.problem import TRANSIENT, Fixed, Mixture, P, Problem, Step
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 E, V, K = 0.6, 0.2, 0.5
 HA = E * (1 - V) / ((1 + V) * (1 - 2 * V))  # aggregate modulus

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,9 +35,7 @@ from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.storage import layout, storage
 from febkit.solver.system import System
 from febkit.solver.values import Constant
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 EXACT = 1e-6  # of single solves; runs are solved to less
 

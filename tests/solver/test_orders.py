@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,9 +11,7 @@ from febkit.solver import elements
 from febkit.solver.problem import Problem, Step
 from febkit.solver.run import Options, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 SMALL = 1e-7  # strains: what is left of geometric nonlinearity is below the errors measured
 

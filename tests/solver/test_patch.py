@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +13,7 @@ from febkit.solver.problem import STEADY, UX, UZ, Fixed, Mixture, P, Problem, St
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.mooney_rivlin import MooneyRivlin
 from febkit.solver.solids.neo_hookean import NeoHookean
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 A = np.array([(0.08, 0.05, -0.03), (-0.02, -0.06, 0.04), (0.03, 0.01, 0.05)])
 G = np.array([0.3, -0.7, 0.4])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,9 +11,7 @@ from febkit.solver.kernels import projection
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
 from febkit.solver.run import Options, run
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 E, V, K = 0.6, 0.2, 0.5
 HA = E * (1 - V) / ((1 + V) * (1 - 2 * V))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,9 +26,7 @@ from febkit.solver.quasi_newton import Anderson
 from febkit.solver.run import Options, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 
 def relaxing(n: int = 4) -> Problem:

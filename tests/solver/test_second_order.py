@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +15,7 @@ from febkit.solver.run import Options, run
 from febkit.solver.second_order import SecondOrder
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 END = 0.4
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,9 +28,7 @@ from febkit.solver.problem import (
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.solids.neo_hookean import NeoHookean
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 
 def squeezed(newton: NewtonOptions, n: int = 3, top: float = -0.2, permeability: Any = None, **kw: Any) -> Problem:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import stability
+from benchmarks import stability
 
 
 @pytest.mark.parametrize("name", stability.SCENES)

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parent / "rigid"))
-import blocks
-import scenes
 
 from febkit.solver.group import Group
 from febkit.solver.loads import springs
@@ -26,6 +19,7 @@ from febkit.solver.state import State
 from febkit.solver.system import System
 from febkit.solver.threads import Team
 from febkit.solver.ties import LinearConstraint
+from helpers import blocks, scenes
 
 RNG = np.random.default_rng(8)
 

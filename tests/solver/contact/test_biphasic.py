@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,9 +9,7 @@ import pytest
 
 from febkit.solver import contact
 from febkit.solver.problem import TRANSIENT, Fixed, P
-
-sys.path.insert(0, str(Path(__file__).parent))
-import pair as scene
+from helpers import pair as scene
 
 TYPES = sorted(n for n in contact.TYPES if "biphasic" in n)
 

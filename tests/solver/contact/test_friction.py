@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +10,7 @@ import pytest
 from febkit.solver import contact
 from febkit.solver.problem import UX, UY, UZ, Fixed, Prescribed, Problem, Progress, Step
 from febkit.solver.values import Constant, Scaled
-
-sys.path.insert(0, str(Path(__file__).parent))
-import pair as scene
+from helpers import pair as scene
 
 
 def make(p: scene.Pair, mu: float, **kw: Any) -> Any:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +10,7 @@ import pytest
 
 from febkit.solver import contact
 from febkit.solver.problem import Progress
-
-sys.path.insert(0, str(Path(__file__).parent))
-import pair as scene
+from helpers import pair as scene
 
 TYPES = sorted(n for n in contact.TYPES if n.startswith("sliding") and "biphasic" not in n)
 RNG = np.random.default_rng(5)

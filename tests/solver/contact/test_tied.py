@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from febkit.solver import contact
-
-sys.path.insert(0, str(Path(__file__).parent))
-import pair as scene
+from helpers import pair as scene
 
 TYPES = sorted(n for n in contact.TYPES if n.startswith("tied") and "biphasic" not in n)
 RNG = np.random.default_rng(3)

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-import blocks
 
 from febkit.solver.loads.body_force import ComponentForce
 from febkit.solver.problem import Fixed, Initial, NewtonOptions, Problem, Step
 from febkit.solver.rigid import connectors, joints, rotation
 from febkit.solver.run import Listener, Run, run
 from febkit.solver.values import Constant
+from helpers import blocks
 
 
 class Track(Listener):

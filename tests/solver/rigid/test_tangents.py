@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-import blocks
 
 from febkit.solver import loads
 from febkit.solver.loads.body_force import ComponentForce
 from febkit.solver.problem import Fixed, Prescribed
 from febkit.solver.rigid import connectors, joints, rotation
 from febkit.solver.values import Constant
+from helpers import blocks
 
 A, B, ORIGIN = np.array([0.3, 1.0, 2.0]), np.array([4.5, 0.2, 1.5]), np.array([2.0, 1.0, 0.5])
 AXES = joints.axes(np.array([1.0, 2.0, 2.0]), np.array([0.0, 1.0, 0.0]))

@@ -12,11 +12,7 @@ import pytest
 from febkit.solver.points import Points
 from febkit.solver.solids import history
 from febkit.solver.solids.registry import tables
-
-sys.path.insert(0, str(Path(__file__).parent))
-import laws
-
-import examples
+from helpers import examples, laws
 
 SOLIDS = sorted({**tables()["solid"], "generation": ""})
 Q = laws.rotation(5)[None]

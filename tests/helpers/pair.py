@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +14,7 @@ from febkit.solver.run import run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.state import State
 from febkit.solver.values import Constant
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-import scenes
+from helpers import scenes
 
 E, V = 2.0, 0.3
 

@@ -1,0 +1,5 @@
+"""For all tests: helpers' assertions are shown as those of tests are."""
+
+import pytest
+
+pytest.register_assert_rewrite("helpers")
