@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 from febkit.model import InputError, Model, Where
 
 if TYPE_CHECKING:
+    from febkit.output.log import LogListener
     from febkit.solver.result import Result
     from febkit.solver.run import Listener
 
@@ -28,8 +30,12 @@ def solve(
     progress: bool = False,
     listeners: Sequence[Listener] = (),
     warn: Callable[[str], None] | None = None,
+    data_anywhere: bool = False,
 ) -> Result:
     """Solve ``model``; write a plotfile and a log where paths are given.
+
+    Earlier results there are replaced as soon as a solved state stands (:mod:`febkit.files`). Data files that the
+    model asks for lie in the folder of the log; with ``data_anywhere`` where the model says.
 
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
     factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`). memory: GB that a factorisation may
@@ -41,8 +47,9 @@ def solve(
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
     """
     from febkit.lower import lower
-    from febkit.solver.run import Options, run
+    from febkit.solver.run import Options, Run
 
+    data = _destinations(model, plotfile, logfile, data_anywhere)
     problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)
     if linear == "iterative":
         from febkit.solver.linear import amg
@@ -65,25 +72,55 @@ def solve(
         for f in say:
             f(message)
 
-    if logfile is not None:
-        from febkit.output.log import LogListener
+    with ExitStack() as ends:  # of files, where the solver raises
+        log: LogListener | None = None
+        if logfile is not None:
+            from febkit.output.log import LogListener
 
-        log = LogListener(model, logfile)
-        told.append(log)
-        say.append(log.warn)
+            log = LogListener(model, logfile)
+            ends.push(log.__exit__)
+            say.append(log.warn)
+        if data:
+            from febkit.output.logdata import LogDataListener
+
+            records = LogDataListener(model, data, tell)
+            ends.push(records.__exit__)
+            told.append(records)
+        if plotfile is not None:
+            from febkit.output.plotfile import PlotListener
+
+            plot = PlotListener(model, plotfile, tell)
+            ends.push(plot.__exit__)
+            told.append(plot)
+        if log is not None:  # after the others, so that it says nothing that is not written yet
+            told.append(log)
+        if progress:
+            from febkit.output.progress import ProgressListener
+
+            told.append(ProgressListener(Path(model.file).name or "solving"))
+        from febkit.output.warned import WarningListener
+
+        run = Run(problem, [*told, WarningListener(tell)], options)
+        ends.callback(run.team.close)
+        return run.solve()
+
+
+def _destinations(
+    model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, anywhere: bool
+) -> list[Path]:
+    """The files of <logfile>'s records. Refuses outputs onto the model, onto each other, onto what is no result."""
+    from febkit.feb.read import sources
+    from febkit.files import Named, is_ours, keep_apart
+
+    outputs: list[Named] = [(w, p, None) for w, p in (("plotfile", plotfile), ("log", logfile)) if p is not None]
+    data: list[Path] = []
     if model.output.log:
-        from febkit.output.logdata import LogDataListener
+        from febkit.output.logdata import data_files
 
         beside = Path(logfile or model.file or "febkit")
-        told.append(LogDataListener(model, beside.parent, beside.stem, tell))
-    if plotfile is not None:
-        from febkit.output.plotfile import PlotListener
-
-        told.append(PlotListener(model, plotfile, tell))
-    if progress:
-        from febkit.output.progress import ProgressListener
-
-        told.append(ProgressListener(Path(model.file).name or "solving"))
-    from febkit.output.warned import WarningListener
-
-    return run(problem, [*told, WarningListener(tell)], options)
+        data = data_files(model, beside.parent, beside.stem, anywhere)
+        outputs += [("data file", path, entry.where) for path, entry in zip(data, model.output.log)]
+    keep_apart(outputs, [("model", path, None) for path in sources(model)])
+    for what, path, where in outputs:
+        is_ours(path, what, where)
+    return data

@@ -27,12 +27,16 @@ import click
 @click.option("--accuracy", type=click.FloatRange(0.0, 0.1), default=0.0, show_default="the file's steps",
               help="Steps of second order and of their own size, of this relative error each (transient biphasic).")
 @click.option("--stabilise", is_flag=True, help="Steady the pressure where steps are too small for the mesh.")
+@click.option("--data-anywhere", is_flag=True,
+              help="Let the model write data files outside the folder of the log.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: str | None, plot: str | None, silent: bool, threads: int,
-    linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, verbose: bool,
+    linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
+
+    Earlier results there are replaced as soon as a solved state stands in the new ones, and kept where none comes.
 
     Exit code 0: solved; 1: did not converge (states written so far stay readable); 2: bad input, or a
     feature that febkit does not solve.
@@ -50,18 +54,20 @@ def command(
         raise InputError(f"{path}: there is no such file")
     m = read(path)
     plot_path, log_path = Path(plot or path.with_suffix(".xplt")), Path(log or path.with_suffix(".log"))
-    for p in (plot_path, log_path):
-        if not p.parent.is_dir():
-            raise InputError(f"{p}: the folder {p.parent} does not exist")
+    from febkit.files import stamp
     from febkit.solving import solve
 
     said: list[str] = []
+    earlier = stamp(plot_path)
     result = solve(
         m, plot_path, log_path, threads, linear, factor, accuracy, float(stabilise), memory, not silent,
-        warn=said.append,
+        warn=said.append, data_anywhere=data_anywhere,
     )  # fmt: skip
+    now = stamp(plot_path)
+    kept = plot_path.is_file() and now == earlier
     if not silent:
-        _report(result, plot_path, log_path, said, verbose)
+        _report(result, said, verbose)
+        _say_written(plot_path, log_path, len(result.times), kept, earlier is not None)
     if not result.converged:
         print(f"febkit: {path}: {result.reason}", file=sys.stderr)
         sys.exit(130 if result.interrupted else 1)
@@ -84,7 +90,18 @@ def _keep_freed_memory() -> None:
         mallopt(map_above, 32 << 20)
 
 
-def _report(result: object, plot: Path, log: Path, said: list[str], verbose: bool) -> None:
+def _say_written(plot: Path, log: Path, states: int, kept: bool, earlier: bool) -> None:
+    """Where the results are, and what became of earlier ones."""
+    if kept:
+        print(f"wrote {log}; {plot} is still that of an earlier run: this one ended before its first solved state")
+    elif plot.is_file():
+        over = ", over an earlier one" if earlier else ""
+        print(f"wrote {plot} ({states} states, {plot.stat().st_size / 1e6:.1f} MB{over}) and {log}")
+    else:
+        print(f"wrote {log}; no state was saved" if not plot.exists() else f"wrote {log}")
+
+
+def _report(result: object, said: list[str], verbose: bool) -> None:
     import numpy as np
     from rich.console import Console
 
@@ -94,7 +111,6 @@ def _report(result: object, plot: Path, log: Path, said: list[str], verbose: boo
     out, t, s = Console(highlight=False), result.totals, result.state
     for w in said:
         out.print(f"[yellow]warning[/] {w}")
-    size = plot.stat().st_size / 1e6 if plot.exists() else 0.0
     word = "solved" if result.converged else "stopped"
     out.print(
         f"[bold]{word}[/] to t = {s.time:g} in {t.seconds['total']:.2f} s: {t.steps} steps, {t.iterations} iterations, "
@@ -111,7 +127,6 @@ def _report(result: object, plot: Path, log: Path, said: list[str], verbose: boo
     out.print(f"  largest displacement {np.linalg.norm(s.u, axis=1).max():.6g}")
     if s.p is not None:
         out.print(f"  fluid pressure {s.p.min():.6g} to {s.p.max():.6g}")
-    out.print(f"wrote [bold]{plot}[/] ({len(result.times)} states, {size:.1f} MB) and [bold]{log}[/]")
     if verbose:
         for name, seconds in t.seconds.items():
             out.print(f"  {name}: {seconds:.2f} s")

@@ -89,6 +89,7 @@ class Document:
     _shift: list[int] = field(default_factory=list)  # bytes taken out up to and with that cut
     baseline: Any = None  # the model as it was read
     remarks: dict[str, list[str]] = field(default_factory=dict)  # comments in front of sections, by section
+    sources: tuple[str, ...] = ()  # files whose sections stand in the model, where it includes some
     own: bool = False  # the model was read from this very tree, not from a converted one
     origin: dict[int, Tag] = field(default_factory=dict)  # id(component) -> the tag it was read from
 

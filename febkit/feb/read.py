@@ -38,6 +38,13 @@ def read_bytes(data: bytes, file: str = "") -> Model:
     return model
 
 
+def sources(model: Model) -> list[str]:
+    """The files that a model was read from: its own and those it includes."""
+    doc = model.document
+    included = doc.sources if isinstance(doc, Document) else ()
+    return list(dict.fromkeys(f for f in (model.file, *included) if f))
+
+
 def tree(doc: Document, file: str) -> tuple[Tag, bool]:
     """The file's tree raised to version 4.0, and whether it is the document's own."""
     root = doc.root
@@ -49,5 +56,6 @@ def tree(doc: Document, file: str) -> tuple[Tag, bool]:
     root = clone(root)
     if foreign:
         include.resolve(root, file)
+        doc.sources = tuple(dict.fromkeys(t.doc.file for t in root if t.doc is not None))
     convert.up(root)
     return root, False

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import TextIO
 
+from febkit.files import Output
 from febkit.model import Model
 from febkit.solver.newton import Counts, Iteration
 from febkit.solver.result import Result
@@ -12,15 +12,24 @@ from febkit.solver.run import Listener, Run
 
 
 class LogListener(Listener):
-    """Writes convergence blocks, time steps and the summary; warnings as they come."""
+    """Writes convergence blocks, time steps and the summary; warnings as they come.
+
+    An earlier log in its place stays until a solved state is saved, or the run ends. What the log calls converged
+    was saved before: it must be the last of the listeners that write.
+    """
 
     def __init__(self, model: Model, path: str | PathLike[str]) -> None:
         self.model = model
-        self.file: TextIO = open(path, "w", encoding="utf-8")  # noqa: SIM115 (held open until end)
-        self._last = -1
+        self.output = Output(path)
+        self._text: list[str] = []
+        self._began = self._ended = False
 
     def write(self, text: str) -> None:
-        self.file.write(text)
+        self._text.append(text)
+
+    def _flush(self) -> None:
+        text, self._text = "".join(self._text), []
+        self.output.write(text.encode())
 
     def warn(self, message: str) -> None:
         self.write(f" *  WARNING\n * {message}\n\n")
@@ -46,13 +55,17 @@ class LogListener(Listener):
     def begin_analysis(self, run: Run) -> None:
         s, system = run.step, run.system
         assert system is not None
+        self._began = True
         self.write(f"\nstep {run.index + 1}{f' ({s.name})' if s.name else ''}: {s.analysis}\n")
         self.write(f"\tNr of equations ........................... : {len(system.eqs.rows)}\n")
         self.write(f"\tstiffness matrix .......................... : {'symmetric' if system.symmetric else 'unsymmetric'}\n")  # noqa: E501
         self.write(f"\tlinear solver ............................. : {run.totals.linear_solver}\n")
+        if not self.output.replaces:
+            self.output.place()
 
     def begin_step(self, run: Run, number: int, time: float) -> None:
         self.write(f"\n===== beginning time step {number} : {time:.8g} =====\n")
+        self._flush()
 
     def iteration(self, run: Run, it: Iteration) -> None:
         w = self.write
@@ -64,6 +77,7 @@ class LogListener(Listener):
         w("\tconvergence norms :     INITIAL         CURRENT         REQUIRED\n")
         for name, n in it.norms.items():
             w(f"\t   {name:<17s}{n.initial:15e} {n.now:15e} {n.required:15e} \n")
+        self._flush()
 
     def converged(self, run: Run, counts: Counts) -> None:
         self.write(
@@ -71,13 +85,17 @@ class LogListener(Listener):
             f"    number of reformations : {counts.factorisations}\n"
             f"\n------- converged at time : {run.state.time:g}\n\n"
         )
-        self.file.flush()
+
+    def save(self, run: Run, status: int) -> None:
+        self._flush()
+        if run.totals.steps:
+            self.output.place()
 
     def failed(self, run: Run, reason: str, again: float | None) -> None:
         self.write(f" *  WARNING\n * {reason}\n\n------- failed to converge\n\n")
         if again is not None:
             self.write(f"Retrying time step.\n\nAUTO STEPPER: retry step, dt = {again:g}\n\n")
-        self.file.flush()
+        self._flush()
 
     def end(self, run: Run, result: Result) -> None:
         t, w = result.totals, self.write
@@ -98,5 +116,26 @@ class LogListener(Listener):
         if result.converged:
             w("\n N O R M A L   T E R M I N A T I O N\n\n")
         else:
-            w(f"\n *  ERROR\n * {result.reason}\n\n E R R O R   T E R M I N A T I O N\n\n")
-        self.file.close()
+            self._error(result.reason)
+        self._close()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        """The end of a run that raised; one that had not begun leaves what was there."""
+        if self._ended:
+            return
+        if not self._began:
+            self.output.discard()
+            return
+        self._error(f"the run was stopped by {kind.__name__ if kind else 'its caller'}: {error}")
+        try:
+            self._close()
+        except OSError:  # most likely the very error that stopped the run
+            self.output.close()
+
+    def _error(self, reason: str) -> None:
+        self.write(f"\n *  ERROR\n * {reason}\n\n E R R O R   T E R M I N A T I O N\n\n")
+
+    def _close(self) -> None:
+        self._ended = True
+        self._flush()
+        self.output.close()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit.files import Output, real
 from febkit.model import InputError, LogEntry, Model
 from febkit.solver.newton import Counts
 from febkit.solver.result import Result
@@ -81,15 +81,37 @@ def _principal(field: Callable[[fields.Group], Floats | None]) -> Callable[[fiel
 SOURCES = {"node_data": _nodal, "element_data": _elements}
 
 
-class LogDataListener(Listener):
-    """Writes each <node_data> and <element_data> to its file (named after the entry where none is given)."""
+def data_files(model: Model, folder: Path, stem: str, anywhere: bool = False) -> list[Path]:
+    """The file of each record of <logfile>, named after the record where the model gives none.
 
-    def __init__(self, model: Model, folder: Path, stem: str, warn: Callable[[str], object]) -> None:
-        self.model, self.folder, self.stem, self.warn = model, folder, stem, warn
-        self._open: list[tuple[LogEntry, TextIO]] = []
+    They lie in ``folder`` or below it, wherever a model that came from elsewhere would like to write; any place
+    where ``anywhere``. Raises InputError for another place.
+    """
+    out = []
+    for n, entry in enumerate(model.output.log, start=1):
+        name = entry.file or f"{stem}_{entry.kind}_{n}.txt"
+        if "\0" in name:
+            raise InputError(f"<{entry.kind}> names no file", entry.where)
+        path = folder / name.replace("\\", "/")
+        if not anywhere and not real(path).is_relative_to(real(folder)):
+            raise InputError(f'file="{name}" lies outside the folder of the log ({real(folder)}): such files are '
+                             "written with --data-anywhere only", entry.where)  # fmt: skip
+        out.append(path)
+    return out
+
+
+class LogDataListener(Listener):
+    """Writes each <node_data> and <element_data> to its file of ``paths`` (:func:`data_files`).
+
+    An earlier file stays until the first solved step is written, as an earlier plotfile does.
+    """
+
+    def __init__(self, model: Model, paths: Sequence[Path], warn: Callable[[str], object]) -> None:
+        self.model, self.paths, self.warn = model, paths, warn
+        self._open: list[tuple[LogEntry, Output]] = []
 
     def start(self, run: Run) -> None:
-        for n, entry in enumerate(self.model.output.log, start=1):
+        for entry, path in zip(self.model.output.log, self.paths, strict=True):
             make = SOURCES.get(entry.kind)
             if make is None:
                 self.warn(f"<{entry.kind}> of <logfile> is not written by febkit")
@@ -99,26 +121,24 @@ class LogDataListener(Listener):
             if strange:
                 self.warn(f'{entry.kind} "{";".join(strange)}" is not computed by febkit; the record is left out')
                 continue
-            path = self.folder / (entry.file or f"{self.stem}_{entry.kind}_{n}.txt")
-            try:
-                self._open.append((entry, open(path, "w", encoding="utf-8")))  # noqa: SIM115
-            except OSError as e:
-                raise InputError(f"cannot write {path}: {e.strerror}", entry.where) from None
+            self._open.append((entry, Output(path, entry.where)))
         self._write(run)
 
     def converged(self, run: Run, counts: Counts) -> None:
         self._write(run)
 
     def _write(self, run: Run) -> None:
-        for entry, file in self._open:
+        for entry, output in self._open:
             values = SOURCES[entry.kind](run)
             columns = [values[x.strip()]() for x in entry.data.split(";")]
             ids, rows = self._rows(run, entry)
-            file.write(f"*Step  = {run.totals.steps}\n*Time  = {run.state.time:.9g}\n*Data  = {entry.name or entry.data}\n")  # noqa: E501
+            head = f"*Step  = {run.totals.steps}\n*Time  = {run.state.time:.9g}\n*Data  = {entry.name or entry.data}\n"
             table = np.column_stack(columns)[rows]
             d = entry.delim or " "
-            file.writelines(f"{i}{d}{d.join(f'{v:.9g}' for v in row)}\n" for i, row in zip(ids, table))
-            file.flush()
+            body = "".join(f"{i}{d}{d.join(f'{v:.9g}' for v in row)}\n" for i, row in zip(ids, table))
+            output.write((head + body).encode())
+            if run.totals.steps or not output.replaces:
+                output.place()
 
     def _rows(self, run: Run, entry: LogEntry) -> tuple[NDArray, NDArray]:
         """Labels and rows of the items an entry names; all where it names none."""
@@ -139,5 +159,12 @@ class LogDataListener(Listener):
         return chosen, np.array([row[int(i)] for i in chosen], dtype=int)
 
     def end(self, run: Run, result: Result) -> None:
-        for _, file in self._open:
-            file.close()
+        for _entry, output in self._open:
+            if result.converged or not output.replaces:
+                output.close()
+            else:
+                output.discard()
+
+    def __exit__(self, *_: object) -> None:
+        for _entry, output in self._open:
+            output.discard()

@@ -40,10 +40,13 @@ def plot_mesh(model: Model) -> PlotMesh:
 
 
 class PlotListener(Listener):
-    """Writes what <plotfile> asks for; variables febkit does not compute are named once by ``warn``."""
+    """Writes what <plotfile> asks for; variables febkit does not compute are named once by ``warn``.
+
+    An earlier file in its place stays until a state that was solved stands in the new one.
+    """
 
     def __init__(self, model: Model, path: str | PathLike[str], warn: Callable[[str], None]) -> None:
-        self.model, self.path = model, path
+        self.model = model
         self.names: list[str] = []
         variables: list[PlotVariable] = []
         for v in model.output.plot:
@@ -52,22 +55,20 @@ class PlotListener(Listener):
             elif v.type not in self.names:
                 self.names.append(v.type)
                 variables.append(VARIABLES[v.type])
-        self.variables = variables
-        self.writer: PlotWriter | None = None
-
-    def start(self, run: Run) -> None:
-        spec = self.model.output.plot_spec
+        spec = model.output.plot_spec
         compress = spec is not None and spec.bool("compression")
-        self.mesh = plot_mesh(self.model)
+        self.mesh = plot_mesh(model)
         self.writer = PlotWriter(
-            self.path, self.mesh, self.variables, compress=compress, software="febkit",
-            units=self.model.units,
+            path, self.mesh, variables, compress=compress, software="febkit", units=model.units, live=False,
         )  # fmt: skip
+        self.states = 0
 
     def save(self, run: Run, status: int) -> None:
-        assert self.writer is not None
         data: dict[str | int, Any] = {name: self._values(run, name) for name in self.names}
         self.writer.state(run.state.time, data, status)
+        self.states += 1
+        if run.totals.steps or not self.writer.output.replaces:
+            self.writer.output.place()
 
     def _values(self, run: Run, name: str) -> Any:
         if VARIABLES[name].section == "node":
@@ -95,5 +96,17 @@ class PlotListener(Listener):
         return out
 
     def end(self, run: Run, result: Result) -> None:
-        if self.writer is not None:
+        if result.converged:
             self.writer.close()
+        else:
+            self._stop()
+
+    def __exit__(self, *_: object) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
+        """End the file of a run that did not come to its end."""
+        if self.states and not self.writer.output.replaces:
+            self.writer.close()
+        else:
+            self.writer.discard()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.files import keep_apart
 from febkit.model import InputError
 
 from . import mesh as meshes
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
 Path = str | os.PathLike[str]
 
 
-def write(ds: xr.Dataset, path: Path, *, version: int | None = None, compress: bool | None = None) -> None:
+def write(
+    ds: xr.Dataset, path: Path, *, version: int | None = None, compress: bool | None = None, replace: bool = True
+) -> None:
     """Write a dataset of the shape ``febkit.results.open`` gives as a plotfile.
 
     Variables that FEBio has no storage for (other dimensions) are left out and named in a warning; new
@@ -42,6 +45,8 @@ def write(ds: xr.Dataset, path: Path, *, version: int | None = None, compress: b
         software=ds.attrs.get("software", "febkit"),
         units=ds.attrs.get("unit_system"),
         author=ds.attrs.get("author"),
+        live=False,
+        replace=replace,
     )
     places = Places(_outline(m), lambda: m)
     with writer:
@@ -56,8 +61,11 @@ def write(ds: xr.Dataset, path: Path, *, version: int | None = None, compress: b
             )
 
 
-def copy(source: Path, target: Path, *, version: int | None = None, compress: bool | None = None) -> None:
+def copy(
+    source: Path, target: Path, *, version: int | None = None, compress: bool | None = None, replace: bool = True
+) -> None:
     """Rewrite a plotfile value for value, mesh changes included."""
+    keep_apart([("plotfile", target, None)], [("plotfile", source, None)])
     with PlotFile(source) as f:
         h = f.header
         kept = [i for i, v in enumerate(f.variables) if v.section != "material"]
@@ -70,6 +78,8 @@ def copy(source: Path, target: Path, *, version: int | None = None, compress: bo
             software=h.software or None,
             units=h.units,
             author=h.author or None,
+            live=False,
+            replace=replace,
         ) as w:
             current = 0
             for t, s in enumerate(f.states):

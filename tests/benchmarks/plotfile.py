@@ -44,7 +44,7 @@ def make(path: Path, gb: float, domains: int, version: int = 0x35) -> None:
     u, p, s, q = (rng.random(shape, np.float32) for shape in ((n, 3), n, (e, 6), (e, 3)))
     with PlotWriter(path, mesh, [VARIABLES[v] for v in NAMES], version=version) as w:
         t = 0
-        while path.stat().st_size < gb * 1e9:
+        while w.output.size < gb * 1e9:
             w.state(0.1 * t, dict(zip(NAMES, (u + t, p, s, q))))
             t += 1
 

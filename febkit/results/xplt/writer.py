@@ -11,6 +11,8 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import ArrayLike
 
+from febkit.files import Output, may_write
+
 from . import encode, tags
 from .records import PlotMesh, PlotVariable
 
@@ -18,7 +20,8 @@ Data = Mapping[str | int, Mapping[int, ArrayLike] | ArrayLike]
 
 
 class PlotWriter:
-    """A plotfile being written. Every state is flushed whole, so a reader sees complete states only.
+    """A plotfile being written: beside its place (:class:`febkit.files.Output`), and put there with its first state
+    where ``live``, else when it is closed. Every state is written whole or not at all.
 
     ``data`` of a state maps a variable's name (or place in ``variables``, where two share a name) to
     ``{region: values}``. A region is 0 (all nodes, or
@@ -38,6 +41,8 @@ class PlotWriter:
         software: str | None = "febkit",
         units: str | None = None,
         author: str | None = None,
+        live: bool = True,
+        replace: bool = True,
     ) -> None:
         if version not in (0x30, 0x31, 0x32, 0x33, 0x34, 0x35):
             raise ValueError(f"plotfile versions 0x30 to 0x35 can be written, not {version:#x}")
@@ -50,13 +55,14 @@ class PlotWriter:
             encode.header(version, compress, software, units, author),
             encode.dictionary(self.variables, units is not None),
         )
-        self._meshes = 0
-        self._file = open(path, "wb")  # noqa: SIM115 (held open until close)
+        self._meshes, self._live = 0, live
+        may_write(path, replace)
+        self.output = Output(path)
         try:
-            self._append([struct.pack("<I", tags.MAGIC), self._head])
+            self.output.write(struct.pack("<I", tags.MAGIC), self._head)
             self.mesh(mesh)
         except BaseException:
-            self._file.close()
+            self.output.discard()
             raise
 
     def mesh(self, mesh: PlotMesh) -> None:
@@ -65,7 +71,7 @@ class PlotWriter:
         self._sizes = _Sizes(mesh)
         body = encode.mesh(mesh, self.version)
         # FEBio's first mesh is plain even where states are compressed
-        self._append([zlib.compress(body) if self.compress and self._meshes else body])
+        self.output.write(zlib.compress(body) if self.compress and self._meshes else body)
         self._meshes += 1
 
     def state(
@@ -99,7 +105,9 @@ class PlotWriter:
         if objects:
             parts.append(encode.block(tags.OBJECTS_STATE, objects))
         whole = _wrap(tags.STATE, parts)
-        self._append([zlib.compress(b"".join(whole))] if self.compress else whole)
+        self.output.write(*([zlib.compress(b"".join(whole))] if self.compress else whole))
+        if self._live:
+            self.output.place()
 
     def _state_data(self, data: Data) -> list[bytes]:
         sections: list[bytes] = []
@@ -116,25 +124,22 @@ class PlotWriter:
                 sections += _wrap(tag, body)
         return _wrap(tags.STATE_DATA, sections)
 
-    def _append(self, parts: Sequence[bytes]) -> None:
-        """Write and flush; a failed write (a full disk) leaves the file as it was."""
-        start = self._file.tell()
-        try:
-            for p in parts:
-                self._file.write(p)
-            self._file.flush()
-        except OSError:
-            self._file.truncate(start)
-            raise
-
     def close(self) -> None:
-        self._file.close()
+        """Put the file in place and end it."""
+        self.output.close()
+
+    def discard(self) -> None:
+        """End the file; what stood in its place stays, unless this file has taken it."""
+        self.output.discard()
 
     def __enter__(self) -> PlotWriter:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
+        if error is None:
+            self.close()
+        else:
+            self.discard()
 
 
 def _wrap(tag: int, parts: Sequence[bytes]) -> list[bytes]:
