@@ -94,7 +94,7 @@ def is_ours(path: PathLike, what: str, where: Where | None = None) -> None:
 
 _MARKS = {
     "plotfile": re.compile(rb"BEF\0|\0FEB"),
-    "log": re.compile(rb"febkit |(?s:.*)={20}"),  # FEBio's begins with a frame
+    "log": re.compile(rb"febkit | \*  WARNING|(?s:.*)={20}"),  # FEBio's begins with a frame
     "data file": re.compile(rb"\s*(\*Step|[-+.\d])"),
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from os import PathLike
 
+from febkit._version import __version__
 from febkit.files import Output
 from febkit.model import Model
 from febkit.solver.newton import Counts, Iteration
@@ -21,7 +22,7 @@ class LogListener(Listener):
     def __init__(self, model: Model, path: str | PathLike[str]) -> None:
         self.model = model
         self.output = Output(path)
-        self._text: list[str] = []
+        self._text = [f"febkit {__version__}\n\n"]
         self._began = self._ended = False
 
     def write(self, text: str) -> None:
@@ -38,11 +39,8 @@ class LogListener(Listener):
         self.write(f"compiling {kernel}\n")
 
     def start(self, run: Run) -> None:
-        from febkit import __version__
-
         m = self.model
         elements = sum(g.m for g in run.groups)
-        self.write(f"febkit {__version__}\n\n")
         self.write(f"\tFILENAME   : {m.file}\n\tMODULE     : {m.module}\n\n")
         self.write(f"\tNr of nodes ............................... : {len(m.mesh.X)}\n")
         self.write(f"\tNr of elements ............................ : {elements}\n")
