@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from febkit.model import Component, InputError
+from febkit.model import Component, values
 
 from .document import Document, Tag
 
@@ -13,10 +13,7 @@ def component(tag: Tag, doc: Document | None = None) -> Component:
     type_, name, label = attrs.pop("type", None), attrs.pop("name", None), attrs.pop("id", None)
     number: int | None = None
     if label is not None:
-        try:
-            number = int(label)
-        except ValueError:
-            raise InputError(f'<{tag.name}> has id="{label}", which is not a number', tag.where) from None
+        number = values.label(label, f"id= of <{tag.name}>", tag.where)
     if tag.table is not None:
         children = tuple(rows(tag))
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -18,6 +19,7 @@ from febkit.model import (
     NodeSet,
     Surface,
     SurfacePair,
+    values,
 )
 from febkit.model.mesh import Floats, Ints
 
@@ -30,7 +32,8 @@ NODES_OF = {
     "quad4": 4, "quad8": 8, "quad9": 9, "tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10,
     "line2": 2, "line3": 3, "truss2": 2, "beam3": 3,
 }
-LARGEST = 2**53  # of ids: whole numbers that survive as floats
+MOST = 20_000_000  # ids that one list of ranges may hold
+_INTEGERS = re.compile(r"[\s\d,:+-]*", re.ASCII)
 FACETS = {"tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10, "quad4": 4, "quad8": 8, "quad9": 9}
 LINES = {"line2": 2, "line3": 3}
 
@@ -50,26 +53,30 @@ def node_count(type_: str) -> int | None:
 
 def ints(text: str, tag: Tag) -> Ints:
     """Integers of a list: commas or blanks between, and ranges ``a:b`` or ``a:b:step``."""
+    if not _INTEGERS.fullmatch(text):
+        bad = next((w for w in text.replace(",", " ").split() if not _INTEGERS.fullmatch(w)), text)
+        raise InputError(f"<{tag.name}> must be a list of integers, not {values.shown(bad)}", tag.where)
     if ":" not in text:
-        words = text.replace(",", " ").split()
         try:
-            return np.array(words, dtype=np.int64)
+            out = np.array(text.replace(",", " ").split(), dtype=np.int64)
         except (ValueError, OverflowError):
-            bad = next((w for w in words if not w.lstrip("+-").isdigit() or len(w) > 18), "?")
-            raise InputError(f"<{tag.name}> must be a list of integers, not {bad!r}", tag.where) from None
-    out: list[int] = []
+            raise InputError(f"<{tag.name}> must be a list of integers of 32 bits", tag.where) from None
+        return _ids(out, tag)
+    runs: list[Ints] = []
+    total = 0
     for word in text.replace(",", " ").split():
         try:
             ends = [int(w) for w in word.split(":")]
         except ValueError:
             raise InputError(f"<{tag.name}> must be a list of integers, not {word!r}", tag.where) from None
-        if any(abs(e) > LARGEST for e in ends):
+        if any(abs(e) > values.LARGEST for e in ends):
             raise InputError(f"<{tag.name}> holds a range that makes no sense: {word[:60]}", tag.where)
         a, b, step = ends[0], ends[1] if len(ends) > 1 else ends[0], ends[2] if len(ends) > 2 else 1
-        if step <= 0 or (b - a) // step > 10_000_000 or len(ends) > 3:
-            raise InputError(f"<{tag.name}> holds a range that makes no sense: {word}", tag.where)
-        out += range(a, b + 1, step)
-    return np.array(out, dtype=np.int64)
+        total += max((b - a) // max(step, 1) + 1, 0)
+        if step <= 0 or total > MOST or len(ends) > 3:
+            raise InputError(f"<{tag.name}> holds a range that makes no sense: {word[:60]}", tag.where)
+        runs.append(np.arange(a, b + 1, step, dtype=np.int64))
+    return np.concatenate(runs) if runs else np.zeros(0, np.int64)
 
 
 def floats(text: str, tag: Tag) -> list[float]:
@@ -78,20 +85,21 @@ def floats(text: str, tag: Tag) -> list[float]:
         out = [float(w) for w in text.split(",")] if "," in text else [float(w) for w in text.split()]
     except ValueError:
         out = [math.nan]
-    if not all(map(math.isfinite, out)):
+    if not all(map(math.isfinite, out)) or "_" in text or not text.isascii():
         raise InputError(f"<{tag.name}> must be numbers, not {text.strip()[:60]!r}", tag.where)
     return out
 
 
 def label(tag: Tag, attr: str = "id") -> int:
-    v = tag.need(attr)
-    try:
-        n = int(v)
-    except ValueError:
-        n = LARGEST + 1
-    if abs(n) > LARGEST:
-        raise InputError(f'<{tag.name}> has {attr}="{v[:40]}", which is no id', tag.where)
-    return n
+    return values.label(tag.need(attr), f"{attr}= of <{tag.name}>", tag.where)
+
+
+def _ids(labels: Ints, tag: Tag) -> Ints:
+    """Ids that 32 bits hold: plotfiles store no others."""
+    if len(labels) and (int(labels.max()) > values.LARGEST or int(labels.min()) < -values.LARGEST):
+        bad = int(labels[np.abs(labels) > values.LARGEST][0])
+        raise InputError(f"<{tag.name}{_named(tag)}> holds the id {bad}: ids go up to {values.LARGEST}", tag.where)
+    return labels
 
 
 def rows(tag: Tag, names: Iterable[str], columns: int | None, attr: str = "id") -> tuple[Ints, Floats]:
@@ -99,11 +107,11 @@ def rows(tag: Tag, names: Iterable[str], columns: int | None, attr: str = "id") 
     t = tag.table
     names = tuple(names)
     if t is not None and t.tag in names and t.attr == attr and columns in (None, t.values.shape[1]):
-        return t.labels, t.values
+        return _ids(t.labels, tag), t.values
     if t is not None:
         raise InputError(f"<{tag.name}> holds rows <{t.tag} {t.attr}=...> of {t.values.shape[1]} numbers; "
                          f"expected <{names[0]} {attr}=...> of {columns}", tag.where)
-    labels, values = [], []
+    labels, numbers = [], []
     for row in tag:
         if row.name not in names:
             raise InputError(f"<{row.name}> does not belong in <{tag.name}>", row.where)
@@ -113,8 +121,8 @@ def rows(tag: Tag, names: Iterable[str], columns: int | None, attr: str = "id") 
         if len(v) != columns:
             raise InputError(f"<{row.name}> must hold {columns} numbers, not {len(v)}", row.where)
         labels.append(label(row, attr))
-        values.append(v)
-    return np.array(labels, dtype=np.int64), np.array(values, dtype=float).reshape(len(values), columns or 0)
+        numbers.append(v)
+    return np.array(labels, dtype=np.int64), np.array(numbers, dtype=float).reshape(len(numbers), columns or 0)
 
 
 class NodeIndex:
@@ -148,12 +156,12 @@ def _named(tag: Tag) -> str:
     return f' name="{tag.attrs["name"]}"' if "name" in tag.attrs else ""
 
 
-def whole(values: Floats, tag: Tag) -> Ints:
+def whole(numbers: Floats, tag: Tag) -> Ints:
     """Numbers that must be integers."""
-    if (np.abs(values) > LARGEST).any():
+    if (np.abs(numbers) > values.LARGEST).any():
         raise InputError(f"<{tag.name}{_named(tag)}> must hold node ids", tag.where)
-    out = values.astype(np.int64)
-    if (out != values).any():
+    out = numbers.astype(np.int64)
+    if (out != numbers).any():
         raise InputError(f"<{tag.name}{_named(tag)}> must hold node ids", tag.where)
     return out
 
@@ -225,7 +233,7 @@ class MeshReader:
             if t.tag not in kinds or t.values.shape[1] != kinds[t.tag]:
                 raise InputError(f"<{t.tag}> of {t.values.shape[1]} nodes does not belong in <{tag.name}>",
                                  tag.where)
-            return {t.tag: self.index(whole(t.values, tag), tag)}, {t.tag: t.labels}
+            return {t.tag: self.index(whole(t.values, tag), tag)}, {t.tag: _ids(t.labels, tag)}
         found: dict[str, list[list[float]]] = {}
         labels: dict[str, list[int]] = {}
         for row in tag:

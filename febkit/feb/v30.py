@@ -208,7 +208,7 @@ def bodies_up(c: Tag, names: dict[str, str]) -> None:
 
 def rigid_dof(word: str) -> str:
     """"Rx".."Rw", also by number."""
-    return RIGID_DOFS[int(word)] if word.isdigit() and int(word) < 6 else word
+    return RIGID_DOFS[int(word)] if word.isascii() and word.isdigit() and int(word) < 6 else word
 
 
 def rigid_up(c: Tag, names: dict[str, str]) -> list[Tag]:

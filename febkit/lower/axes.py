@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, MeshData, values
 from febkit.solver.solids import axes
 
 from .context import Context
@@ -17,15 +17,21 @@ Make = Callable[[Context, Component, str], Any]
 
 def element_axes(ctx: Context, part: str) -> np.ndarray | None:
     """Axes (m, 3, 3) from <ElementData type="mat_axis"> on a part, or None where there are none."""
-    data = next((d for d in ctx.model.mesh_data if d.kind == "element" and d.name == "mat_axis"), None)
-    if data is None:
+    data = _element_data(ctx, "mat_axis")
+    if not data:
         return None
     rows = ctx.element_map(data, part)
     if np.isnan(rows).all():
         return None
+    if rows.shape[1] < 6:
+        raise InputError('<ElementData type="mat_axis"> must give two vectors <a> and <d> a row', data[0].where)
     Q = axes.element_axes(rows[:, :3], rows[:, 3:6]).Q.copy()
     Q[np.isnan(rows).any(axis=1)] = np.eye(3)
     return Q
+
+
+def _element_data(ctx: Context, name: str) -> list[MeshData]:
+    return [d for d in ctx.model.mesh_data if d.kind == "element" and d.name == name]
 
 
 def _vec(c: Component, tag: str, default: tuple[float, float, float]) -> tuple[float, ...]:
@@ -37,25 +43,23 @@ def _coordinates(ctx: Context, part: str) -> np.ndarray:
     return ctx.model.mesh.X[ctx.blocks[part].conn]
 
 
-def _nodes(c: Component, n: int) -> tuple[int, ...]:
-    leaf = c.child("local")
-    text = c.text if leaf is None else leaf.text
-    numbers = tuple(int(float(x)) for x in text.replace(",", " ").split())
-    return (*numbers, *([0] * n))[:n]
-
-
-def rows(ctx: Context, c: Component, part: str, width: int) -> np.ndarray:
-    """The first ``width`` columns of the element map that ``c`` names, one row for each element of the part."""
-    name = (c.child("map") or c).text.strip()
-    data = next((d for d in ctx.model.mesh_data if d.name == name), None)
-    if data is None:
-        raise InputError(f'there is no map "{name}" in <MeshData>', c.where)
-    return ctx.element_map(data, part)[:, :width]
+def _nodes(ctx: Context, c: Component, part: str, n: int) -> tuple[int, ...]:
+    """1-based local nodes that span an axis, 0 where the file names none."""
+    leaf = c.child("local") or c
+    numbers = tuple(values.integer(x, leaf.what, leaf.where) for x in leaf.text.replace(",", " ").split())
+    count = ctx.blocks[part].conn.shape[1]
+    for k in numbers:
+        if not 0 <= k <= count:
+            raise InputError(f'{leaf.what}: an element of part "{part}" has nodes 1 to {count}, not {k}', leaf.where)
+    given = (*numbers, *([0] * n))[:n]
+    if any(given[:2]) and not (all(given[:2]) and given[0] != given[1]):
+        raise InputError(f"{leaf.what} must name two different nodes, not {values.shown(leaf.text)}", leaf.where)
+    return given
 
 
 MAT_AXIS: dict[str, Make] = {
     "vector": lambda _, c, p: axes.vector_axes(_vec(c, "a", (1, 0, 0)), _vec(c, "d", (0, 1, 0))),
-    "local": lambda x, c, p: axes.local_axes(_coordinates(x, p), _nodes(c, 3)),  # type: ignore[arg-type]
+    "local": lambda x, c, p: axes.local_axes(_coordinates(x, p), _nodes(x, c, p, 3)),  # type: ignore[arg-type]
     "angles": lambda x, c, p: axes.AngleAxes(x.value(c.child("theta"), 0.0, p), x.value(c.child("phi"), 90.0, p)),
     "spherical": lambda _, c, p: axes.SphericalAxes(_vec(c, "center", (0, 0, 0)), _vec(c, "vector", (1, 0, 0))),
     "cylindrical": lambda _, c, p: axes.CylindricalAxes(
@@ -65,29 +69,30 @@ MAT_AXIS: dict[str, Make] = {
         _vec(c, "center", (0, 0, 0)), _vec(c, "axis", (0, 0, 1)), _vec(c, "vector1", (1, 0, 0)),
         _vec(c, "vector2", (1, 0, 0)), c.float("radius1", 0.0), c.float("radius2", 1.0),
     ),
-    "map": lambda x, c, p: axes.FixedAxes(rows(x, c, p, 9).reshape(-1, 3, 3)),
+    "map": lambda x, c, p: axes.FixedAxes(x.element_rows(c, p, 9).reshape(-1, 3, 3)),
 }  # fmt: skip
 
 
 def _user_fiber(ctx: Context, c: Component, part: str) -> Any:
-    data = next((d for d in ctx.model.mesh_data if d.kind == "element" and d.name == "fiber"), None)
-    if data is None:
+    data = _element_data(ctx, "fiber")
+    if not data:
         raise InputError('<fiber type="user"> needs <ElementData type="fiber">', c.where)
-    return axes.fixed_vector(ctx.element_map(data, part)[:, :3])
+    rows = ctx.element_map(data, part)
+    if rows.shape[1] < 3 or np.isnan(rows[:, :3]).any():
+        message = f'<ElementData type="fiber"> must give three numbers for each element of "{part}"'
+        raise InputError(message, data[0].where)
+    return axes.fixed_vector(rows[:, :3])
 
 
 def _math_fiber(ctx: Context, c: Component, part: str) -> Any:
-    parts = (c.child("vector") or c.child("math") or c).text.split(",")
-    if len(parts) != 3:
-        raise InputError(f"<{c.tag}> must be three formulas separated by commas", c.where)
-    return axes.MathVector(*(ctx.formula(x, c) for x in parts))
+    return axes.MathVector(*ctx.formulas(c.child("vector") or c.child("math") or c))
 
 
 DIRECTION: dict[str, Make] = {
     "vector": lambda _, c, p: axes.fixed_vector(
         c.as_floats(3) if c.text.strip() and not c.children else _vec(c, "vector", (1, 0, 0))
     ),
-    "local": lambda x, c, p: axes.local_vector(_coordinates(x, p), _nodes(c, 2)),  # type: ignore[arg-type]
+    "local": lambda x, c, p: axes.local_vector(_coordinates(x, p), _nodes(x, c, p, 2)),  # type: ignore[arg-type]
     "angles": lambda x, c, p: axes.AngleVector(x.value(c.child("theta"), 0.0, p), x.value(c.child("phi"), 90.0, p)),
     "spherical": lambda _, c, p: axes.SphericalVector(_vec(c, "center", (0, 0, 0)), _vec(c, "vector", (1, 0, 0))),
     "cylindrical": lambda _, c, p: axes.CylindricalVector(
@@ -95,7 +100,7 @@ DIRECTION: dict[str, Make] = {
     ),
     "user": _user_fiber,
     "math": _math_fiber,
-    "map": lambda x, c, p: axes.fixed_vector(rows(x, c, p, 3)),
+    "map": lambda x, c, p: axes.fixed_vector(x.element_rows(c, p, 3)),
 }  # fmt: skip
 
 

@@ -10,7 +10,8 @@ from febkit.solver.problem import UX, UY, UZ, Fixed, Initial, P, Prescribed
 
 from .context import Context
 
-COLUMN = {"x": UX, "y": UY, "z": UZ, "p": P}
+AXES = {"x": UX, "y": UY, "z": UZ}
+COLUMN = {**AXES, "p": P}
 # FEBio writes these with every condition; they mean nothing here
 META = frozenset({"name"})
 
@@ -41,7 +42,7 @@ def _nodes(ctx: Context, c: Component) -> np.ndarray:
 def _zero_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"x_dof", "y_dof", "z_dof"})
     nodes = _nodes(ctx, c)
-    return [Fixed(k, nodes) for axis, k in (("x", UX), ("y", UY), ("z", UZ)) if c.bool(f"{axis}_dof")]
+    return [Fixed(k, nodes) for axis, k in AXES.items() if c.bool(f"{axis}_dof")]
 
 
 def _zero_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
@@ -65,23 +66,18 @@ def _back(ctx: Context, c: Component) -> np.ndarray:
 def _zero_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"sx_dof", "sy_dof", "sz_dof"})
     nodes = _back(ctx, c)
-    return [Fixed(k, nodes) for axis, k in (("x", UX), ("y", UY), ("z", UZ)) if c.bool(f"s{axis}_dof")]
+    return [Fixed(k, nodes) for axis, k in AXES.items() if c.bool(f"s{axis}_dof")]
 
 
 def _prescribed_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"dof", "value", "relative"})
-    dof = c.need("dof").text.strip()
-    if dof not in ("sx", "sy", "sz"):
-        raise InputError(f"<dof> must be sx, sy or sz, not {dof!r}", c.need("dof").where)
+    column = c.need("dof").as_choice({f"s{axis}": k for axis, k in AXES.items()})
     nodes = _back(ctx, c)
-    return [Prescribed(COLUMN[dof[1]], nodes, ctx.value(c.child("value"), 0.0), c.bool("relative"))]
+    return [Prescribed(column, nodes, ctx.value(c.child("value"), 0.0), c.bool("relative"))]
 
 
 def _prescribed_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
-    dof = c.need("dof").text.strip()
-    if dof not in ("x", "y", "z"):
-        raise InputError(f"<dof> must be x, y or z, not {dof!r}", c.need("dof").where)
-    return _prescribed(ctx, c, COLUMN[dof])
+    return _prescribed(ctx, c, c.need("dof").as_choice(AXES))
 
 
 def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
@@ -103,17 +99,23 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
     out: list[Initial] = []
     for c in specs:
         kind = c.type or ""
-        if kind == "velocity":
-            leaf = c.need("value")
-            v = leaf.as_floats(3)
-            from febkit.solver.values import Constant
-
-            out += [Initial(k, _nodes(ctx, c), Constant(x), velocity=True) for k, x in zip((UX, UY, UZ), v)]
+        if kind in ("displacement", "velocity"):
+            v = ctx.vector(c.need("value"))
+            out += [Initial(k, _nodes(ctx, c), x, velocity=kind == "velocity") for k, x in zip(AXES.values(), v)]
         elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
-            out.append(Initial(P, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
-        elif kind in ("displacement", "init_dof"):
-            dof = c.str("dof", "x")
-            out.append(Initial(COLUMN[dof], _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+            if _flows(ctx, c):
+                out.append(Initial(P, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+        elif kind == "init_dof":
+            column = c.need("dof").as_choice(COLUMN)
+            if column != P or _flows(ctx, c):
+                out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
         else:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     return out
+
+
+def _flows(ctx: Context, c: Component) -> bool:
+    """Refuses a pressure of a model that has none, as FEBio does."""
+    if ctx.model.module == "biphasic":
+        return True
+    raise InputError(f'{c.what}: a "{ctx.model.module}" model has no fluid pressure', c.where)

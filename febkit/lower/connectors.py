@@ -39,7 +39,7 @@ KINDS: dict[str, tuple[Any, dict[str, str], tuple[str, ...], tuple[str, ...]]] =
         ("prescribed_rotation", "prescribed_translation_1", "prescribed_translation_2"),
     ),
 }  # fmt: skip
-METHODS = {"PENALTY": 0, "AUGLAG": 1, "LAGMULT": 2}
+METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
 SIZES = ("tolerance", "gaptol", "angtol", "force_penalty", "moment_penalty")
 DAMPING = ("force_damping", "moment_damping")
 TURNS, MOMENTS = tuple(f"rotation_{k}" for k in "xyz"), tuple(f"moment_{k}" for k in "xyz")
@@ -89,6 +89,9 @@ def _joint(ctx: Context, c: Component, cls: Any, kw: dict[str, Any]) -> set[str]
             default = (1, 0, 0), (0, 1, 0)
         leaves = [c.child(tag) for tag in cls.AXES]
         given = [np.array(d if q is None else q.as_floats(3), float) for q, d in zip(leaves, default)]
+        if not np.linalg.norm(np.cross(given[0], given[1])) > 0:
+            tags = " and ".join(f"<{t}>" for t in cls.AXES)
+            raise InputError(f"{c.what}: {tags} must not be parallel or zero", c.where)
         kw["axes"] = joints.axes(*given)
     if cls is joints.Spherical:
         known |= {*TURNS, *MOMENTS}
@@ -99,11 +102,7 @@ def _joint(ctx: Context, c: Component, cls: Any, kw: dict[str, Any]) -> set[str]
 
 def _method(ctx: Context, c: Component) -> int:
     """0 penalty, 1 augmented Lagrangian (FEBio's default); Lagrange multipliers are refused."""
-    leaf = c.child("laugon")
-    if leaf is None:
-        return 1
-    text = leaf.text.strip().upper()
-    method = METHODS[text] if text in METHODS else leaf.as_int()
+    method = c.choice("laugon", METHODS, 1)
     if method == 2:
-        ctx.refuse(f'<laugon>LAGMULT</laugon> of <{c.tag} type="{c.type}">', leaf.where)
+        ctx.refuse(f"<laugon>LAGMULT</laugon> of {c.what}", c.need("laugon").where)
     return method

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from febkit.model import Component, InputError
+from febkit.model.sets import missing, surface
 from febkit.solver import contact as records
 from febkit.solver import elements
 
@@ -17,11 +18,14 @@ from .context import Context
 Reader = Callable[[Context, Component], Any]
 
 
+METHODS = {"penalty": False, "auglag": True, "lagmult": None, "0": False, "1": True, "2": None}
+
+
 def _laugon(ctx: Context, leaf: Component) -> bool:
-    name = leaf.text.strip().upper()
-    if name not in ("PENALTY", "AUGLAG", "0", "1"):
-        ctx.refuse(f"<laugon>{leaf.text.strip()}</laugon>", leaf.where)
-    return name in ("AUGLAG", "1")
+    method = leaf.as_choice(METHODS)
+    if method is None:
+        ctx.refuse("<laugon>LAGMULT</laugon>", leaf.where)
+    return bool(method)
 
 
 NUMBER: Reader = lambda ctx, leaf: leaf.as_float()  # noqa: E731
@@ -112,12 +116,13 @@ def _friction(ctx: Context, c: Component) -> float:
 
 def _pair(ctx: Context, c: Component) -> tuple[str, str]:
     name = c.attrs.get("surface_pair", "")
-    pair = ctx.model.mesh.surface_pairs.get(name)
-    if pair is None:
-        raise InputError(f'there is no surface pair "{name}"', c.where)
+    pairs = ctx.model.mesh.surface_pairs
+    if name not in pairs:
+        raise missing("surface pair", name, pairs, c.where)
+    pair = pairs[name]
     for s in (pair.primary, pair.secondary):
-        if s not in ctx.model.mesh.surfaces:
-            raise InputError(f'there is no surface "{s}"', pair.where)
+        if not sum(map(len, surface(ctx.model.mesh, s, pair.where).facets.values())):
+            raise InputError(f'{c.what}: the surface "{s}" has no facets', c.where)
     return pair.primary, pair.secondary
 
 

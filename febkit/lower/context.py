@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from febkit.model import Component, InputError, Model, UnsupportedError, Where
+from febkit.model import (
+    Component,
+    ElementBlock,
+    InputError,
+    LoadController,
+    MeshData,
+    Model,
+    UnsupportedError,
+    Where,
+    values,
+)
+from febkit.model.sets import element_ids, map_items, node_indices
 from febkit.solver.values import Constant, Expression, Map, Scaled, Value
 
 if TYPE_CHECKING:
     from febkit.model.math import Formula
+    from febkit.solver.controllers import LoadCurve
 
     from .rigid import Body
 
@@ -23,9 +36,22 @@ _PARAMETER = re.compile(r"\$\{(fem\.material\('([^']+)'\)\.(\w+))\}")
 
 def compiled(text: str, names: Iterable[str] | None, constants: Mapping[str, float], where: Where) -> Formula:
     """:func:`febkit.model.math.compile`, imported where a model has a formula."""
-    from febkit.model import math
+    from febkit.model import math as formulas
 
-    return math.compile(text, names, constants, where)
+    return formulas.compile(text, names, constants, where)
+
+
+def load_curve(points: Sequence[Sequence[float]], spec: Component, what: str) -> LoadCurve:
+    """The curve through ``points``, between and outside of which it goes as ``spec`` says."""
+    from febkit.solver.controllers import LoadCurve
+
+    interpolate, extend = spec.str("interpolate") or "LINEAR", spec.str("extend") or "CONSTANT"
+    if not points:
+        raise InputError(f"{what} has no points", spec.where)
+    try:
+        return LoadCurve(np.array(points, dtype=float), interpolate, extend)
+    except ValueError as e:
+        raise InputError(f"{what}: {e}", spec.where) from None
 
 
 class Context:
@@ -46,35 +72,22 @@ class Context:
         self.refused.append(UnsupportedError(f"{what} is not supported by febkit's solver", where))
 
     # ---- controllers ------------------------------------------------------------------------------
-    def controller(self, number: int, where: Where) -> Controller:
-        """The load controller of this id as a function of time."""
+    def controller(self, number: int, leaf: Component) -> Controller:
+        """The load controller of this id, which ``leaf`` names, as a function of time."""
         if number not in self._controllers:
             spec = next((c for c in self.model.controllers if c.id == number), None)
             if spec is None:
-                raise InputError(f"there is no load controller with id {number}", where)
+                raise InputError(f'<{leaf.tag} lc="{number}">: there is no load controller {number}', leaf.where)
             self._controllers[number] = self._make_controller(spec)
         return self._controllers[number]
 
-    def _make_controller(self, spec: object) -> Controller:
-        from febkit.model import LoadController
-
-        assert isinstance(spec, LoadController)
+    def _make_controller(self, spec: LoadController) -> Controller:
         if spec.type == "loadcurve":
-            from febkit.solver.controllers import LoadCurve
-
-
-            interpolate = spec.spec.str("interpolate", "LINEAR") or "LINEAR"
-            extend = spec.spec.str("extend", "CONSTANT") or "CONSTANT"
-            try:
-                return LoadCurve(np.array(spec.points, dtype=float).reshape(-1, 2), interpolate, extend)
-            except ValueError as e:
-                raise InputError(f"load controller {spec.id}: {e}", spec.where) from None
-        if spec.type in ("math", "math-interval"):
+            return load_curve(spec.points, spec.spec, f"load controller {spec.id}")
+        if spec.type == "math":
             leaf = spec.spec.need("math")
-            names = {"t", *self.model.variables}
-            f = compiled(leaf.text, names, dict(self.model.variables), leaf.where)
-            if spec.type == "math":
-                return lambda t: float(f(t=t))
+            f = compiled(leaf.text, {"t", *self.model.variables}, dict(self.model.variables), leaf.where)
+            return lambda t: float(f(t=t))
         self.refuse(f'load controller type="{spec.type}"', spec.where)
         return lambda t: 1.0
 
@@ -87,8 +100,11 @@ class Context:
         if leaf is None:
             assert default is not None
             return Constant(default)
-        base = self._base(leaf, maps)
-        return base if leaf.lc is None else Scaled(base, self.controller(leaf.lc, leaf.where))
+        return self._scaled(self._base(leaf, maps), leaf)
+
+    def _scaled(self, base: Value, leaf: Component) -> Value:
+        number = leaf.lc
+        return base if number is None else Scaled(base, self.controller(number, leaf))
 
     def _base(self, leaf: Component, maps: str) -> Value:
         kind = leaf.type or leaf.attrs.get("type") or "const"
@@ -100,10 +116,29 @@ class Context:
             self.refuse(f'<{leaf.tag} type="{kind}">', leaf.where)
             return Constant(0.0)
         leaf = leaf.child("const") or leaf
-        try:
-            return Constant(float(leaf.text))
-        except ValueError:
-            return self.formula(leaf.text, leaf)
+        return Constant(leaf.as_float()) if values.spells_number(leaf.text) else self.formula(leaf.text, leaf)
+
+    def components(self, leaf: Component, n: int, maps: str = "") -> tuple[Value, ...]:
+        """A parameter of ``n`` numbers: given in the file, or by the ``n`` columns of an element map."""
+        if leaf.type == "map" and maps:
+            return tuple(Map(column) for column in np.ascontiguousarray(self.element_rows(leaf, maps, n).T))
+        if leaf.type not in (None, "const", "vector"):
+            self.refuse(f'<{leaf.tag} type="{leaf.type}">', leaf.where)
+            return (Constant(0.0),) * n
+        return tuple(self._scaled(Constant(x), leaf) for x in leaf.as_floats(n))
+
+    def vector(self, leaf: Component) -> tuple[Value, Value, Value]:
+        """A vector parameter: three numbers or three formulas, times its load controller."""
+        x, y, z = self.formulas(leaf) if leaf.type == "math" else self.components(leaf, 3)
+        return x, y, z
+
+    def formulas(self, leaf: Component) -> tuple[Value, Value, Value]:
+        """Three formulas separated by commas, times a load controller."""
+        parts = leaf.text.split(",")
+        if len(parts) != 3:
+            raise InputError(f"<{leaf.tag}> must be three formulas separated by commas", leaf.where)
+        x, y, z = (self._scaled(self.formula(p, leaf), leaf) for p in parts)
+        return x, y, z
 
     def formula(self, text: str, leaf: Component) -> Value:
         referred = self._referred(text, leaf)
@@ -116,7 +151,10 @@ class Context:
 
             return Expression(value, steady=f.steady and all(v.steady for v in referred.values()))
         if f.uniform and f.steady:
-            return Constant(float(f()))
+            v = float(f())
+            if not math.isfinite(v):
+                raise InputError(f'<{leaf.tag}>: the formula "{text.strip()}" gives {v:g}', leaf.where)
+            return Constant(v)
         return Expression(f, steady=f.steady)
 
     def _referred(self, text: str, leaf: Component) -> dict[str, Value]:
@@ -130,42 +168,75 @@ class Context:
             out[whole] = self.value(found)
         return out
 
+    # ---- maps -------------------------------------------------------------------------------------
+    def map_data(self, name: str, leaf: Component) -> list[MeshData]:
+        """The records of a map in <MeshData>; several of one name are one map, as in FEBio."""
+        found = [d for d in self.model.mesh_data if d.name == name]
+        if not found:
+            message = f'<{leaf.tag} type="map">: there is no map "{name}" in <MeshData>'
+            raise InputError(message + values.near(name, (d.name for d in self.model.mesh_data)), leaf.where)
+        return found
+
     def _map(self, name: str, leaf: Component, maps: str) -> Value:
-        data = next((d for d in self.model.mesh_data if d.name == name), None)
-        if data is None:
-            raise InputError(f'there is no map "{name}" in <MeshData>', leaf.where)
+        data = self.map_data(name, leaf)[0]
         if not maps:
-            self.refuse(f'a map as <{leaf.tag}>', leaf.where)
-            return Constant(0.0)
-        if data.kind == "element":
-            return Map(self.element_map(data, maps)[:, 0])
-        if data.kind == "node" and data.values is not None:
-            return Map(np.asarray(data.values, float).reshape(len(data.values), -1)[:, 0])
-        self.refuse(f'the {data.kind} map "{name}"', data.where)
+            self.refuse(f"a map as <{leaf.tag}>", leaf.where)
+        elif data.kind == "element" and maps in self.blocks:
+            return Map(self.element_rows(leaf, maps, 1)[:, 0])
+        elif data.kind == "node" and maps not in self.blocks and data.values is not None:
+            return Map(self._node_map(data, maps, leaf))
+        else:
+            self.refuse(f'the {data.kind} map "{name}"', data.where)
         return Constant(0.0)
 
-    def element_map(self, data: object, part: str) -> np.ndarray:
-        """Rows of an element map by the elements of a block; NaN where the map says nothing."""
-        from febkit.model import MeshData
-        from febkit.model.sets import element_ids
+    def _node_map(self, data: MeshData, ref: str, leaf: Component) -> np.ndarray:
+        """A node map by the places of its own set, which FEBio takes for those of the set it is used on."""
+        mesh = self.model.mesh
+        out = np.zeros(len(node_indices(mesh, data.set, data.where)))
+        wanted = len(node_indices(mesh, ref, leaf.where))
+        if len(out) < wanted:
+            raise InputError(
+                f'<{leaf.tag}>: the map "{data.name}" is of {len(out)} nodes, "{ref}" has {wanted}', leaf.where
+            )
+        items = map_items(mesh, data)
+        out[items] = np.asarray(data.values, float).reshape(len(items), -1)[:, 0]
+        return out
 
-        assert isinstance(data, MeshData)
-        block = self.blocks[part]
-        ids = element_ids(self.model.mesh, data.set, data.where)
-        if data.values is None or data.items is None:
-            self.refuse(f'element data "{data.name}" made by {data.spec.type}', data.where)
-            return np.zeros((len(block.ids), 3))
-        values = np.asarray(data.values, float).reshape(len(data.values), -1)
+    def element_rows(self, leaf: Component, part: str, width: int) -> np.ndarray:
+        """The map that ``leaf`` names: its first ``width`` columns, one row for each element of a part."""
+        name = (leaf.child("map") or leaf).text.strip()
+        rows = self.element_map(self.map_data(name, leaf), part)
+        if rows.shape[1] < width:
+            message = f'<{leaf.tag}>: the map "{name}" has {rows.shape[1]} numbers a row, not {width}'
+            raise InputError(message, leaf.where)
+        rows = rows[:, :width]
+        bare = np.isnan(rows).any(axis=1)
+        if bare.any():
+            e = self.blocks[part].ids[int(np.argmax(bare))]
+            raise InputError(f'<{leaf.tag}>: the map "{name}" says nothing of element {e} of "{part}"', leaf.where)
+        return rows
+
+    def element_map(self, data: list[MeshData], part: str) -> np.ndarray:
+        """Rows of element maps by the elements of a part; NaN where they say nothing."""
+        block, mesh = self.blocks[part], self.model.mesh
         order = {int(i): k for k, i in enumerate(block.ids)}
-        out = np.full((len(block.ids), values.shape[1]), np.nan)
-        for lid, row in zip(np.asarray(data.items, int), values):
-            k = order.get(int(ids[lid - 1]))
-            if k is not None:
-                out[k] = row
+        given = []
+        for d in data:
+            if d.values is None or d.items is None:
+                self.refuse(f'element data "{d.name}" made by {d.spec.type}', d.where)
+                return np.zeros((len(block.ids), 9))
+            ids = element_ids(mesh, d.set, d.where)[map_items(mesh, d)]
+            given.append((ids.tolist(), np.asarray(d.values, float).reshape(len(d.values), -1)))
+        out = np.full((len(block.ids), max((v.shape[1] for _, v in given), default=9)), np.nan)
+        for ids, rows in given:
+            for i, row in zip(ids, rows, strict=True):
+                k = order.get(i)
+                if k is not None:
+                    out[k, : len(row)] = row
         return out
 
     @cached_property
-    def blocks(self) -> dict:
+    def blocks(self) -> dict[str, ElementBlock]:
         return {b.name: b for b in self.model.mesh.blocks}
 
     # ---- parameters -------------------------------------------------------------------------------

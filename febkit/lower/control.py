@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, values
 from febkit.solver.problem import DYNAMIC, STATIC, STEADY, TRANSIENT, AutoStep, NewtonOptions, Saving, Step
 
 from .context import Context
@@ -14,6 +14,14 @@ ANALYSIS = {
     "0": STATIC, "1": DYNAMIC,
 }  # fmt: skip
 BIPHASIC_ANALYSIS = {**ANALYSIS, "0": STEADY, "1": TRANSIENT, "static": STEADY}
+SYMMETRY: dict[str, bool | None] = {
+    "symmetric": True, "1": True, "true": True, "yes": True, "non-symmetric": None, "symmetric structure": None,
+    "preferred": None, "0": None, "2": None, "false": None, "no": None,
+}  # fmt: skip
+LEVELS = (
+    "PLOT_NEVER", "PLOT_MAJOR_ITRS", "PLOT_MINOR_ITRS", "PLOT_MUST_POINTS", "PLOT_FINAL", "PLOT_AUGMENTATIONS",
+    "PLOT_STEP_FINAL",
+)  # fmt: skip
 KNOWN = frozenset({
     "analysis", "time_steps", "step_size", "final_time", "plot_zero_state", "plot_range", "plot_level",
     "output_level", "plot_stride", "output_stride", "adaptor_re_solve", "time_stepper", "solver", "print_level",
@@ -32,17 +40,17 @@ QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax"})
 def step(ctx: Context, control: Component, out: Step) -> None:
     """Fill in how ``out`` is solved."""
     ctx.check_tags(control, KNOWN)
-    table = BIPHASIC_ANALYSIS if ctx.model.module == "biphasic" else ANALYSIS
-    name = control.str("analysis", "transient" if ctx.model.module == "biphasic" else "static")
-    if name.lower() not in table:
-        raise InputError(f"unknown analysis {name!r}", control.need("analysis").where)
-    out.analysis = table[name.lower()]
-    out.dt = control.float("step_size", 0.1)
-    out.count = control.int("time_steps", -1)
+    names, usual = (BIPHASIC_ANALYSIS, TRANSIENT) if ctx.model.module == "biphasic" else (ANALYSIS, STATIC)
+    out.analysis = control.choice("analysis", names, usual)
+    out.dt, out.count = control.float("step_size", 0.1), control.int("time_steps", -1)
     if out.count < 0:
         out.duration = control.float("final_time", 0.0)
-    if not out.dt > 0:
-        raise InputError("<step_size> must be positive", control.where)
+    end = end_time(out)
+    if not (out.dt > 0 and 0 < end < math.inf):
+        why = "nothing is solved" if end == 0 or out.dt == 0 else f"the step would end at t = {end:g}"
+        raise InputError(
+            "<Control> must give <time_steps> or <final_time>, and a <step_size>, of more than 0: " + why, control.where
+        )
     stepper = control.child("time_stepper")
     out.auto = None if stepper is None else _auto(ctx, stepper, out)
     out.newton = _newton(ctx, control.child("solver"))
@@ -61,7 +69,7 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
         aggressive=c.bool("aggressiveness"), cutback=c.float("cutback", 0.5), force=c.bool("dtforce"),
     )  # fmt: skip
     if leaf is not None and leaf.lc is not None:
-        a.dtmax_curve = ctx.controller(leaf.lc, leaf.where)
+        a.dtmax_curve = ctx.controller(leaf.lc, leaf)
         spec = next(q for q in ctx.model.controllers if q.id == leaf.lc)
         a.must_points = tuple(t for t, _ in spec.points)
         a.repeat = spec.spec.str("extend").upper() == "REPEAT"
@@ -80,7 +88,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
         ctx.refuse(f'<solver type="{c.type}">', c.where)
     for tag in ("arc_length", "logSolve", "mixed_formulation"):
         leaf = c.child(tag)
-        if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none"):
+        if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none", "false"):
             ctx.refuse(f"<{tag}>", leaf.where)
     numbers = {
         "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "min_residual": "min_residual",
@@ -96,8 +104,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     o.reform_each_step = c.bool("reform_each_time_step", True)
     o.reform_augment = c.bool("reform_augment")
     o.diverge_reform = c.bool("diverge_reform", True)
-    sym = c.str("symmetric_stiffness").lower()
-    o.symmetric = True if sym in ("symmetric", "1", "true", "yes") else None
+    o.symmetric = c.choice("symmetric_stiffness", SYMMETRY, None)
     qn = c.child("qn_method")
     if qn is not None:
         _quasi_newton(ctx, qn, o)
@@ -120,17 +127,16 @@ def _quasi_newton(ctx: Context, c: Component, o: NewtonOptions) -> None:
 
 def _saving(c: Component) -> Saving:
     r = c.child("plot_range")
-    span = tuple(int(x) for x in r.as_floats(2)) if r is not None and r.text.strip() else (0, -1)
-    return Saving(
-        c.str("plot_level", "PLOT_MAJOR_ITRS") or "PLOT_MAJOR_ITRS",
-        max(c.int("plot_stride", 1), 1), (span[0], span[1]), c.bool("plot_zero_state"),
-    )  # fmt: skip
+    span = (0, -1)
+    if r is not None and r.text.strip():
+        first, last = (values.integer(f"{x:.17g}", "<plot_range>", r.where) for x in r.as_floats(2))
+        span = first, last
+    names = {k.lower(): k for k in LEVELS} | {str(i): k for i, k in enumerate(LEVELS)}
+    level = c.choice("plot_level", names, "PLOT_MAJOR_ITRS")
+    return Saving(level, c.int("plot_stride", 1, least=1), span, c.bool("plot_zero_state"))
 
 
 def end_time(s: Step) -> float:
     """Duration of a step."""
     return s.duration if s.duration is not None else s.dt * s.count
 
-
-def finite(x: float) -> bool:
-    return math.isfinite(x)

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from febkit.model import Component, InputError
-from febkit.model.sets import element_ids, node_indices
+from febkit.model.sets import element_ids, node_indices, surface
 from febkit.solver import loads as records
 from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import STEADY
-from febkit.solver.values import Constant, Scaled, Value
 
 from .context import Context
 
@@ -25,6 +24,8 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
     "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
     "fluidflux": (("flux",), (), ("linear", "mixture")),
 }
+PROFILE = {"sinusoidal": 0, "parabolic": 1, "0": 0, "1": 1}
+FRAME = {"fixed": False, "moving": True, "0": False, "1": True}
 BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "const": (("x", "y", "z"), ()),
     "non-const": (("x", "y", "z"), ()),
@@ -56,31 +57,10 @@ def _unread(c: Component) -> bool:
     return c.tag == "body_load" and c.type not in BODY
 
 
-def vector(ctx: Context, leaf: Component) -> tuple[Value, Value, Value]:
-    """A vector parameter: numbers or three formulas, times its load controller."""
-    kind = leaf.type or "const"
-    if kind == "math":
-        parts = [x for x in leaf.text.split(",")]  # noqa: C416
-        if len(parts) != 3:
-            raise InputError(f"<{leaf.tag}> must be three formulas separated by commas", leaf.where)
-        base: list[Value] = [ctx.formula(x, leaf) for x in parts]
-    elif kind in ("const", "vector"):
-        base = [Constant(x) for x in leaf.as_floats(3)]
-    else:
-        ctx.refuse(f'<{leaf.tag} type="{kind}">', leaf.where)
-        base = [Constant(0.0)] * 3
-    if leaf.lc is not None:
-        f = ctx.controller(leaf.lc, leaf.where)
-        base = [Scaled(v, f) for v in base]
-    return base[0], base[1], base[2]
-
-
 def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
     """The facets a load is on."""
     name = c.attrs.get("surface", "")
-    if name not in ctx.model.mesh.surfaces:
-        raise InputError(f'there is no surface "{name}"', c.where)
-    conns = dict(ctx.model.mesh.surfaces[name].facets)
+    conns = dict(surface(ctx.model.mesh, name, c.where).facets)
     if c.bool("shell_bottom"):
         conns = {k: ctx.back[v] for k, v in conns.items()}
         if any((v < 0).any() for v in conns.values()):
@@ -100,22 +80,16 @@ def _surface(ctx: Context, c: Component, analysis: str) -> Any:
     for n in vectors:
         leaf = c.child(n)
         if leaf is not None:
-            kw[n] = vector(ctx, leaf)
+            kw[n] = ctx.vector(leaf)
     for n in flags:
         leaf = c.child(n)
         if leaf is not None:
-            kw[n] = _profile(leaf) if n == "profile" else leaf.as_bool()
+            kw[n] = leaf.as_choice(PROFILE) if n == "profile" else leaf.as_bool()
     if c.type == "fluidflux":
         kw["steady"] = analysis == STEADY
     fields = cls.__dataclass_fields__
     kw["shell_bottom"] = c.bool("shell_bottom")
     return cls(facets(ctx, c), **{k: v for k, v in kw.items() if k in fields})
-
-
-def _profile(leaf: Component) -> int:
-    names = {"sinusoidal": 0, "parabolic": 1}
-    t = leaf.text.strip().lower()
-    return names[t] if t in names else leaf.as_int()
 
 
 def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
@@ -127,11 +101,11 @@ def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
     cls = records.load(c.type or "")
     relative = c.bool("relative")
     readers: dict[str, Callable[[], Any]] = {
-        "nodal_force": lambda: cls(nodes, X, relative=relative, value=vector(ctx, c.need("value"))),
+        "nodal_force": lambda: cls(nodes, X, relative=relative, value=ctx.vector(c.need("value"))),
         "nodal_load": lambda: _dof_load(ctx, c, nodes, X, relative),
         "nodal fluidflux": lambda: cls(nodes, X, value=ctx.value(c.need("value"))),
         "nodal_target_force": lambda: cls(
-            nodes, X, force=vector(ctx, c.need("force")), scale=ctx.value(c.child("scale"), 1.0)
+            nodes, X, force=ctx.vector(c.need("force")), scale=ctx.value(c.child("scale"), 1.0)
         ),
     }
     ctx.check_tags(c, {"value", "relative", "dof", "scale", "force", "shell_bottom"})
@@ -158,11 +132,11 @@ def _body(ctx: Context, c: Component, analysis: str) -> Any:
     ctx.check_tags(c, {*numbers, *vectors, *({"frame"} if c.type == "moving frame" else ())})
     kw: dict[str, Any] = {n: ctx.value(c.need(n)) for n in numbers if c.child(n) is not None}
     if c.type == "moving frame":
-        kw["moving"] = c.str("frame", "fixed").strip().lower() in ("moving", "1")
+        kw["moving"] = c.choice("frame", FRAME, False)
     for n in vectors:
         leaf = c.child(n)
         if leaf is not None:
-            kw["given" if n == "force" else n] = vector(ctx, leaf)
+            kw["given" if n == "force" else n] = ctx.vector(leaf)
     where = c.attrs.get("elem_set") or ""
     if where:
         ids = element_ids(ctx.model.mesh, where, c.where)

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, Domain, InputError
+from febkit.model import Component, Domain, InputError, Where, values
+from febkit.model.sets import missing
 from febkit.solver import permeabilities, supplies
 from febkit.solver.problem import Augment, Block, Mixture
 from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
-from febkit.solver.values import Constant
 
 from . import shells
-from .context import Context, compiled
+from .context import Context, compiled, load_curve
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
@@ -23,6 +23,7 @@ OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_f
 # materials refused until a model of FEBio's suite agrees: in the one with cubic CLE a rotation is left free, which
 # rounding decides in FEBio (stresses agree to rounding, and so do displacements where the rotation is held)
 UNPROVEN = frozenset({"cubic CLE"})
+PRESSURE_MODELS = {"default": 0, "nike3d": 1, "abaqus": 2, "abaqus (goh)": 3, "0": 0, "1": 1, "2": 2, "3": 3}
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis", "print_derivs"})
 
@@ -39,15 +40,15 @@ def blocks(ctx: Context) -> list[Block]:
     out = []
     named = {m.name: m for m in ctx.model.materials}
     if not ctx.model.domains:
-        raise InputError("the model has no <MeshDomains>: no element has a material", None)
+        raise InputError("the model has no <MeshDomains>: no element has a material", Where(ctx.model.file))
     for d in ctx.model.domains:
         if d.kind not in ("solid", "shell"):
             ctx.refuse(f'a {d.kind} domain (part "{d.block}")', d.where)
             continue
         if d.block not in ctx.blocks:
-            raise InputError(f'there is no element block "{d.block}"', d.where)
+            raise missing("element block", d.block, ctx.blocks, d.where)
         if d.material not in named:
-            raise InputError(f'there is no material "{d.material}"', d.where)
+            raise missing("material", d.material, [n or "" for n in named], d.where)
         if d.material in ctx.rigid:  # its nodes are led; its elements do nothing
             continue
         b = _block(ctx, d, named[d.material])
@@ -139,25 +140,13 @@ def _law(ctx: Context, spec: Component, registry_: Any, part: str) -> Any:
         elif c.tag not in cls.parameters:
             ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
         elif c.tag in cls.vectors:
-            fields[c.tag] = _numbers(ctx, c, cls.vectors[c.tag])
+            fields[c.tag] = ctx.components(c, cls.vectors[c.tag])
         else:
             fields[c.tag] = ctx.value(c, maps=part)
     for name in cls.parameters:
         if name not in fields and name not in defaults:
             raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{name}>', spec.where)
     return cls(**fields)
-
-
-def _numbers(ctx: Context, leaf: Component, n: int, part: str = "") -> tuple[Any, ...]:
-    """A parameter of ``n`` numbers: given in the file, or by the ``n`` columns of an element map."""
-    from febkit.solver.values import Map, Scaled
-
-    if leaf.type == "map" and part:
-        return tuple(Map(column) for column in np.ascontiguousarray(_axes().rows(ctx, leaf, part, n).T))
-    numbers = leaf.as_floats(n)
-    if leaf.lc is None:
-        return tuple(Constant(x) for x in numbers)
-    return tuple(Scaled(Constant(x), ctx.controller(leaf.lc, leaf.where)) for x in numbers)
 
 
 def _defaults(cls: Any) -> dict[str, Any]:
@@ -180,8 +169,10 @@ def record(ctx: Context, spec: Component, table: str, part: str) -> Any:
         return None
     try:
         return cls(**fields)
+    except InputError:
+        raise
     except (TypeError, ValueError) as e:
-        raise InputError(f'<{spec.tag} type="{spec.type}">: {e}', spec.where) from None
+        raise InputError(f"{spec.what}: {e}", spec.where) from None
 
 
 def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, part: str) -> None:
@@ -213,7 +204,7 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
         fields.setdefault(name, []).append(_child(ctx, c, cls.properties[name], part))
     elif name in cls.parameters:
         default = _defaults(cls).get(name)
-        fields[name] = _numbers(ctx, c, len(default), part) if isinstance(default, tuple) else ctx.value(c, maps=part)
+        fields[name] = ctx.components(c, len(default), part) if isinstance(default, tuple) else ctx.value(c, maps=part)
     elif name in cls.options:
         fields[name] = _option(c)
     elif c.tag == "density" and hasattr(cls, "density_"):
@@ -221,22 +212,13 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
     elif c.tag == "k" and getattr(cls, "uncoupled", False):
         fields["k"] = ctx.value(c, maps=part)
     elif c.tag == "pressure_model" and getattr(cls, "uncoupled", False):
-        fields["pressure_model"] = _pressure_model(c)
+        fields["pressure_model"] = c.as_choice(PRESSURE_MODELS)
     elif c.tag not in IGNORED:
         ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
 
 
 def _option(c: Component) -> Any:
-    try:
-        return int(c.as_float())
-    except InputError:
-        return c.text.strip()
-
-
-def _pressure_model(leaf: Component) -> int:
-    names = {"default": 0, "nike3d": 1, "abaqus": 2, "abaqus (goh)": 3}
-    t = leaf.text.strip()
-    return names.get(t.lower(), 0) if not t.isdigit() else int(t)
+    return c.as_int() if values.spells_number(c.text) else c.text.strip()
 
 
 def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
@@ -247,11 +229,7 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
     if prop.table == "energy":
         return _energy(ctx, c)
     if prop.table == "formula":
-        f = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
-        if len(f.names) > 1:
-            raise InputError(f"<{c.tag}> must be a formula of one variable", c.where)
-        name = next(iter(f.names), "x")
-        return lambda x: f.at({name: x})
+        return _of_one(ctx, c)
     return record(ctx, c, prop.table, part)
 
 
@@ -291,16 +269,11 @@ class Curve:
 
 def curve(ctx: Context, c: Component) -> Any:
     """A function of one variable: constant, linear ramp, step, points or formula."""
-    from febkit.solver.controllers import LoadCurve
-
     kind = c.type or "const"
     if kind == "point":
-        points = [p.as_floats(2) for p in c.need("points")]
-        return Curve(LoadCurve(np.array(points), c.str("interpolate", "linear"), c.str("extend", "constant")))
+        return Curve(load_curve([p.as_floats(2) for p in c.need("points")], c, c.what))
     if kind == "math":
-        g = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
-        name = next(iter(g.names), "x")
-        return lambda x: g.at({name: x})
+        return _of_one(ctx, c)
     if kind == "const":
         v = (c.child("value") or c).as_float()
         return lambda x: np.full(np.shape(x), v)
@@ -309,3 +282,12 @@ def curve(ctx: Context, c: Component) -> Any:
         return lambda x: slope * np.asarray(x) + start
     ctx.refuse(f'<{c.tag} type="{kind}">', c.where)
     return None
+
+
+def _of_one(ctx: Context, c: Component) -> Any:
+    """A formula of one variable, whatever its name."""
+    f = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+    if len(f.names) > 1:
+        raise InputError(f"<{c.tag}> must be a formula of one variable, not of {', '.join(sorted(f.names))}", c.where)
+    name = next(iter(f.names), "x")
+    return lambda x: f.at({name: x})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, values
 from febkit.model import Step as ModelStep
 from febkit.model.sets import node_indices
 from febkit.solver import elements, loads
@@ -19,7 +19,6 @@ from febkit.solver.values import Constant, Value
 
 from . import shells
 from .context import Context
-from .loads import vector
 
 if TYPE_CHECKING:
     from febkit.solver.rigid.body import RigidBody
@@ -29,6 +28,7 @@ TYPE = "rigid body"
 DOFS = ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw")
 SHIFT = {"x": 0, "y": 1, "z": 2, "Rx": 0, "Ry": 1, "Rz": 2}
 TURN = {"Ru": 3, "Rv": 4, "Rw": 5, "U": 3, "V": 4, "W": 5}
+LOAD_TYPES = {"load": "LOAD", "follow": "FOLLOW", "target": "TARGET", "0": "LOAD", "1": "FOLLOW", "2": "TARGET"}
 MATERIAL = frozenset({"name", "density", "E", "v", "center_of_mass", "override_com"})
 FIXED = frozenset({"rb", *(f"{r}_dof" for r in DOFS)})
 GIVEN = frozenset({"rb", "dof", "value", "relative"})
@@ -111,7 +111,8 @@ def body(ctx: Context, c: Component, tag: str = "rb") -> int:
     for k, m in enumerate(ctx.model.materials):
         if m.type == TYPE and ref == str(m.id or k + 1):
             return ctx.rigid[m.name or ""].index
-    raise InputError(f'there is no rigid body "{ref}"', c.where)
+    where = c.need(tag).where
+    raise InputError(f'<{tag}>: there is no rigid body material "{ref}"{values.near(ref, ctx.rigid)}', where)
 
 
 def place(ctx: Context, index: int, dof: int) -> tuple[int, np.ndarray]:
@@ -151,12 +152,11 @@ def _fixed(ctx: Context, out: Step, c: Component) -> None:
 
 
 def _given(table: dict[str, int]) -> Callable[[Context, Step, Component], None]:
+    lower = {name.lower(): dof for name, dof in table.items()}
+
     def read(ctx: Context, out: Step, c: Component) -> None:
         ctx.check_tags(c, GIVEN)
-        dof = c.need("dof").text.strip()
-        if dof not in table:
-            raise InputError(f"<dof> must be one of {', '.join(table)}, not {dof!r}", c.where)
-        column, row = place(ctx, body(ctx, c), table[dof])
+        column, row = place(ctx, body(ctx, c), c.need("dof").as_choice(lower))
         out.conditions.append(Prescribed(column, row, ctx.value(c.child("value"), 0.0), c.bool("relative")))
 
     return read
@@ -226,24 +226,21 @@ def _load(ctx: Context, c: Component, known: set[str], **fields: Any) -> Any:
 def _force(ctx: Context, out: Step, c: Component) -> None:
     """A force along, or a moment about, an axis; FEBio's TARGET, from the reaction, is not there."""
     table = {"rigid_force": {k: v for k, v in SHIFT.items() if k in DOFS}, "rigid_moment": TURN}[c.type or ""]
-    dof = c.need("dof").text.strip()
-    if dof not in table:
-        raise InputError(f"<dof> must be one of {', '.join(table)}, not {dof!r}", c.where)
-    kind = c.str("load_type", "LOAD").strip().upper() or "LOAD"
-    kind = {"0": "LOAD", "1": "FOLLOW", "2": "TARGET"}.get(kind, kind)
+    axis = c.need("dof").as_choice({name.lower(): k % 3 for name, k in table.items()})
+    kind = c.choice("load_type", LOAD_TYPES, "LOAD")
     if kind == "TARGET" or (kind == "FOLLOW" and c.type == "rigid_moment"):
         ctx.refuse(f'<load_type>{kind}</load_type> of <{c.tag} type="{c.type}">', c.need("load_type").where)
         return
     if c.bool("relative"):
         ctx.refuse(f'<relative> of <{c.tag} type="{c.type}">', c.need("relative").where)
-    fields = {"axis": table[dof] % 3, "value": ctx.value(c.child("value"), 0.0)}
+    fields = {"axis": axis, "value": ctx.value(c.child("value"), 0.0)}
     if c.type == "rigid_force":
         fields["follow"] = kind == "FOLLOW"
     out.loads.append(_load(ctx, c, {"dof", "value", "load_type", "relative"}, **fields))
 
 
 def _follower_force(ctx: Context, out: Step, c: Component) -> None:
-    load = _load(ctx, c, {"insertion", "force", "relative"}, given=vector(ctx, c.need("force")))
+    load = _load(ctx, c, {"insertion", "force", "relative"}, given=ctx.vector(c.need("force")))
     leaf = c.child("insertion")
     load.arm = np.array(leaf.as_floats(3)) if leaf is not None else np.zeros(3)
     if not c.bool("relative"):
@@ -252,7 +249,7 @@ def _follower_force(ctx: Context, out: Step, c: Component) -> None:
 
 
 def _follower_moment(ctx: Context, out: Step, c: Component) -> None:
-    out.loads.append(_load(ctx, c, {"moment"}, given=vector(ctx, c.need("moment"))))
+    out.loads.append(_load(ctx, c, {"moment"}, given=ctx.vector(c.need("moment"))))
 
 
 READERS: dict[tuple[str, str], Callable[[Context, Step, Component], Any]] = {

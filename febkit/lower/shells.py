@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from febkit.model import Component, Domain, InputError
-from febkit.model.sets import element_ids
 from febkit.solver import elements
 from febkit.solver.problem import Block
 from febkit.solver.shells import Shell, Solid, thicken
@@ -50,23 +49,24 @@ def thickness(ctx: Context, d: Domain, needed: bool = True) -> np.ndarray:
     """
     block = ctx.blocks[d.block]
     out = np.full(block.conn.shape, d.spec.float("shell_thickness", 0.0) if d.spec is not None else 0.0)
-    order = {int(i): k for k, i in enumerate(block.ids)}
-    for data in ctx.model.mesh_data:
-        if data.name != "shell thickness":
-            continue
-        ids = element_ids(ctx.model.mesh, data.set, data.where)
-        if data.items is None or data.values is None:
-            ctx.refuse(f"shell thickness made by {data.spec.type}", data.where)
-            continue
-        values = np.asarray(data.values, float).reshape(len(data.values), -1)
-        for lid, row in zip(np.asarray(data.items, int), values, strict=True):
-            k = order.get(int(ids[lid - 1]))
-            if k is not None:
-                out[k] = row
+    data = [m for m in ctx.model.mesh_data if m.name == "shell thickness"]
+    if data:
+        rows = ctx.element_map(data, d.block)
+        said = ~np.isnan(rows).all(axis=1)
+        counts = np.unique((~np.isnan(rows[said])).sum(axis=1))
+        width = block.conn.shape[1]
+        if any(n not in (1, width) for n in counts):
+            bad = next(n for n in counts if n not in (1, width))
+            message = f'shell thickness of part "{d.block}": {bad} numbers a row for elements of {width} nodes'
+            raise InputError(message, data[0].where)
+        rows = rows[said]
+        out[said] = rows[:, :width] if rows.shape[1] >= width else rows[:, :1]
+        single = np.isnan(out)
+        out[single] = np.broadcast_to(out[:, :1], out.shape)[single]
     if needed and not (out > 0).all():
         e = int(block.ids[int(np.argmax((out <= 0).any(axis=1)))])
         where = f"shell element {e} of part \"{d.block}\""
-        raise InputError(f"{where} has no thickness; give <shell_thickness>", d.where)
+        raise InputError(f"{where} has no positive thickness; give <shell_thickness>", d.where)
     return out
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, Where
+from febkit.model.sets import missing
 from febkit.solver.loads import springs
 from febkit.solver.problem import Step
 from febkit.solver.ties import LinearConstraint
@@ -22,7 +23,8 @@ LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "nonlinear spring": (springs.NonlinearSprings, ("scale",)),
     "Hill": (springs.HillMuscles, ("Vmax", "ac", "Fmax", "Ksh", "Lmax")),
 }
-METHODS = {"PENALTY": 0, "AUGLAG": 1, "LAGMULT": 2}
+METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
+MEASURES = {k: k for k in ("elongation", "strain", "stretch")} | {"0": "elongation", "1": "strain", "2": "stretch"}
 
 
 def discrete(ctx: Context, out: Step) -> None:
@@ -41,9 +43,9 @@ def discrete(ctx: Context, out: Step) -> None:
 def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Component]) -> None:
     name, number = c.attrs.get("discrete_set", ""), c.attrs.get("dmat", "")
     if name not in ctx.model.mesh.discrete_sets:
-        raise InputError(f'there is no discrete set "{name}"', c.where)
+        raise missing("discrete set", name, ctx.model.mesh.discrete_sets, c.where)
     if number not in materials:
-        raise InputError(f'there is no discrete material "{number}"', c.where)
+        raise missing("discrete material", number, materials, c.where)
     m = materials[number]
     if m.type not in LAWS:
         ctx.refuse(f'<{m.tag} type="{m.type}">', m.where)
@@ -57,8 +59,7 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
         kw["tension_only"] = True
     if cls is springs.NonlinearSprings:
         known |= {"measure", "force"}
-        measure = m.str("measure", "elongation")
-        kw["measure"] = {"0": "elongation", "1": "strain", "2": "stretch"}.get(measure, measure)
+        kw["measure"] = m.choice("measure", MEASURES, "elongation")
         kw["force"] = curve(ctx, m.need("force"))
     elif cls is springs.HillMuscles:
         known |= {"L0", "Sv", "Ftl", "Fvl"}
@@ -68,28 +69,35 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
     out.loads.append(cls(pairs, np.linalg.norm(x[:, 1] - x[:, 0], axis=1), **kw))
 
 
-def _place(ctx: Context, c: Component, node: str, dof: str) -> tuple[int, int]:
+def _place(ctx: Context, node: int, dof: str, where: Where) -> tuple[int, int]:
     """Node and column of an unknown named by the node's id."""
-    found = np.flatnonzero(ctx.model.mesh.node_ids == int(node))
+    found = np.flatnonzero(ctx.model.mesh.node_ids == node)
     if not len(found):
-        raise InputError(f"there is no node {node}", c.where)
-    n = int(found[0])
+        raise InputError(f"there is no node {node}", where)
+    n, dof = int(found[0]), dof.strip()
     if dof in ("sx", "sy", "sz"):
         n, dof = int(ctx.back[n]), dof[1]
+        if n < 0:
+            raise InputError(f"node {node} belongs to no shell", where)
     if dof not in COLUMN or (dof == "p" and ctx.model.module != "biphasic"):
-        raise InputError(f"a linear constraint cannot act on {dof!r}", c.where)
+        raise InputError(f"a linear constraint cannot act on {dof!r}", where)
     return n, COLUMN[dof]
+
+
+def _end(ctx: Context, c: Component) -> tuple[int, int]:
+    """The unknown that <node> and <dof> name."""
+    return _place(ctx, c.need("node").as_id(), c.need("dof").text, c.need("node").where)
 
 
 def constraint(ctx: Context, out: Step, c: Component) -> None:
     """<bc type="linear constraint">: an unknown that is a sum of others."""
     ctx.check_tags(c, {"node", "dof", "offset", "child_dof"})
-    node, column = _place(ctx, c, c.need("node").text.strip(), c.need("dof").text.strip())
+    node, column = _end(ctx, c)
     places, values = [], []
     for q in c:
         if q.tag == "child_dof":
             ctx.check_tags(q, {"node", "dof", "value"})
-            places.append(_place(ctx, q, q.need("node").text.strip(), q.need("dof").text.strip()))
+            places.append(_end(ctx, q))
             values.append(ctx.value(q.child("value"), 1.0))
     if not places:
         raise InputError(f'<{c.tag} type="{c.type}"> has no <child_dof>', c.where)
@@ -110,20 +118,22 @@ def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
                 ctx.refuse(f"a linear constraint (of node {label}) of unknowns that hang on others themselves")
 
 
+def _term(ctx: Context, c: Component) -> tuple[int, int, float]:
+    """Node, column and factor of one term of a sum."""
+    if c.id is None:
+        raise InputError('<node> of <linear_constraint> lacks the attribute id="..."', c.where)
+    return (*_place(ctx, c.id, c.attrs.get("bc", ""), c.where), c.as_float())
+
+
 def constraint_set(ctx: Context, out: Step, c: Component) -> None:
     """<constraint type="linear constraint">: sums of unknowns that vanish, by penalty or augmented Lagrangian."""
     known = {"laugon", "tol", "penalty", "rhs", "minaug", "maxaug", "linear_constraint"}
     ctx.check_tags(c, known)
-    text = c.str("laugon", "AUGLAG").strip().upper()
-    method = METHODS[text] if text in METHODS else int(text)
+    method = c.choice("laugon", METHODS, 1)
     if method == 2:
         ctx.refuse(f'<laugon>LAGMULT</laugon> of <{c.tag} type="{c.type}">', c.need("laugon").where)
         return
-    rows = []
-    for q in c:
-        if q.tag == "linear_constraint":
-            ends = [n for n in q if n.tag == "node"]
-            rows.append([(*_place(ctx, n, str(n.id), n.attrs.get("bc", "")), n.as_float()) for n in ends])
+    rows = [[_term(ctx, n) for n in q.all("node")] for q in c.all("linear_constraint")]
     width = max(map(len, rows), default=0)
     nodes, columns = (np.full((len(rows), width), k, np.int64) for k in (-1, 0))
     a = np.zeros((len(rows), width))

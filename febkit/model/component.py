@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
+from . import values
 from .source import InputError, Where
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,68 +45,61 @@ class Component:
     def need(self, tag: str) -> Component:
         c = self.child(tag)
         if c is None:
-            raise InputError(f'<{self.tag}{self._label()}> lacks <{tag}>', self.where)
+            raise InputError(f"{self.what} lacks <{tag}>", self.where)
         return c
 
     def _label(self) -> str:
         return f' type="{self.type}"' if self.type else ""
 
     @property
+    def what(self) -> str:
+        """How messages name this node."""
+        return f"<{self.tag}{self._label()}>"
+
+    @property
     def lc(self) -> int | None:
         """Id of the load controller that multiplies this value, if any (1-based, as in the file)."""
         v = self.attrs.get("lc")
-        return int(v) if v not in (None, "") else None
+        return None if v is None or not v.strip() else values.label(v, f'lc="{v}" of <{self.tag}>', self.where)
 
-    # typed values of this node's own text
+    # typed values of this node's own text; how they are spelt stands in ``values``
     def as_float(self) -> float:
-        try:
-            return float(self.text)
-        except ValueError:
-            raise InputError(f"<{self.tag}> must be a number, not {self.text!r}", self.where) from None
+        return values.number(self.text, f"<{self.tag}>", self.where)
 
     def as_floats(self, n: int | None = None) -> tuple[float, ...]:
-        try:
-            v = tuple(float(x) for x in self.text.replace(",", " ").split())
-        except ValueError:
-            raise InputError(f"<{self.tag}> must be numbers, not {self.text!r}", self.where) from None
-        if n is not None and len(v) != n:
-            raise InputError(f"<{self.tag}> must be {n} numbers, not {len(v)}", self.where)
-        return v
+        return values.numbers(self.text, n, f"<{self.tag}>", self.where)
 
-    def as_int(self) -> int:
-        v = self.as_float()
-        if v != int(v):
-            raise InputError(f"<{self.tag}> must be an integer, not {self.text!r}", self.where)
-        return int(v)
+    def as_int(self, least: int = -values.LARGEST) -> int:
+        return values.integer(self.text, f"<{self.tag}>", self.where, least)
 
     def as_bool(self) -> bool:
-        t = self.text.strip().lower()
-        if t in ("1", "true", "yes", "on"):
-            return True
-        if t in ("0", "false", "no", "off", ""):
-            return False
-        return self.as_float() != 0.0
+        return values.flag(self.text, f"<{self.tag}>", self.where)
+
+    def as_choice(self, names: Mapping[str, T]) -> T:
+        """What the text stands for in a table of lower-case names."""
+        return values.choice(self.text, names, f"<{self.tag}>", self.where)
+
+    def as_id(self) -> int:
+        return values.label(self.text, f"<{self.tag}>", self.where)
 
     # typed values of a child, with defaults
     def float(self, tag: str, default: float | None = None) -> float:
-        c = self.child(tag)
-        if c is None:
-            if default is None:
-                self.need(tag)
-            return default  # type: ignore[return-value]
-        return c.as_float()
+        c = self.need(tag) if default is None else self.child(tag)
+        return default if c is None else c.as_float()  # type: ignore[return-value]
 
-    def int(self, tag: str, default: int | None = None) -> int:  # type: ignore[valid-type]
-        c = self.child(tag)
-        if c is None:
-            if default is None:
-                self.need(tag)
-            return default  # type: ignore[return-value]
-        return c.as_int()
+    def int(  # type: ignore[valid-type]
+        self, tag: str, default: int | None = None, least: int = -values.LARGEST
+    ) -> int:
+        c = self.need(tag) if default is None else self.child(tag)
+        return default if c is None else c.as_int(least)  # type: ignore[return-value]
 
     def bool(self, tag: str, default: bool = False) -> bool:  # type: ignore[valid-type]
         c = self.child(tag)
         return default if c is None else c.as_bool()
+
+    def choice(self, tag: str, names: Mapping[str, T], default: T) -> T:
+        c = self.child(tag)
+        return default if c is None or not c.text.strip() else c.as_choice(names)
 
     def str(self, tag: str, default: str = "") -> str:  # type: ignore[valid-type]
         c = self.child(tag)

@@ -10,8 +10,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .mesh import Ints, Mesh
+from .mesh import Ints, Mesh, Surface
+from .model import MeshData
 from .source import InputError, Where
+from .values import near
 
 
 def _first_seen(parts: Iterable[Ints]) -> Ints:
@@ -23,8 +25,9 @@ def _first_seen(parts: Iterable[Ints]) -> Ints:
     return every[np.sort(first)]
 
 
-def _missing(what: str, name: str, where: Where | None) -> InputError:
-    return InputError(f'there is no {what} "{name}"', where)
+def missing(what: str, name: str, known: Iterable[str], where: Where | None) -> InputError:
+    """The error for a name that nothing has, with the nearest one that something has."""
+    return InputError(f'there is no {what} "{name}"{near(name, known)}', where)
 
 
 def node_indices(mesh: Mesh, ref: str, where: Where | None = None) -> Ints:
@@ -35,16 +38,14 @@ def node_indices(mesh: Mesh, ref: str, where: Where | None = None) -> Ints:
             return mesh.node_sets[ref].nodes
         if ref in mesh.node_blocks:
             return mesh.node_blocks[ref]
-        raise _missing("node set", ref, where)
+        raise missing("node set", ref, [*mesh.node_sets, *mesh.node_blocks], where)
     if name in mesh.node_sets and prefix != "@part_list":
         return mesh.node_sets[name].nodes
     if prefix == "@surface":
-        if name not in mesh.surfaces:
-            raise _missing("surface", name, where)
-        return _first_seen(mesh.surfaces[name].facets.values())
+        return _first_seen(surface(mesh, name, where).facets.values())
     if prefix == "@edge":
         if name not in mesh.edges:
-            raise _missing("edge", name, where)
+            raise missing("edge", name, mesh.edges, where)
         return _first_seen([mesh.edges[name].lines])
     if prefix in ("@elem_set", "@part_list"):
         ids = element_ids(mesh, ref if prefix == "@part_list" else name, where)
@@ -57,7 +58,7 @@ def element_ids(mesh: Mesh, ref: str, where: Where | None = None) -> Ints:
     prefix, colon, name = ref.partition(":")
     if colon and prefix == "@part_list":
         if name not in mesh.part_lists:
-            raise _missing("part list", name, where)
+            raise missing("part list", name, mesh.part_lists, where)
         parts = [element_ids(mesh, p, where) for p in mesh.part_lists[name]]
         return np.concatenate(parts) if parts else np.zeros(0, np.int64)
     name = name if colon and prefix == "@elem_set" else ref
@@ -66,4 +67,27 @@ def element_ids(mesh: Mesh, ref: str, where: Where | None = None) -> Ints:
     for b in mesh.blocks:
         if b.name == name:
             return b.ids
-    raise _missing("element set", name, where)
+    raise missing("element set", name, [*mesh.element_sets, *(b.name for b in mesh.blocks)], where)
+
+
+def surface(mesh: Mesh, name: str, where: Where | None = None) -> Surface:
+    """The surface of this name."""
+    if name not in mesh.surfaces:
+        raise missing("surface", name, mesh.surfaces, where)
+    return mesh.surfaces[name]
+
+
+def map_items(mesh: Mesh, data: MeshData) -> Ints:
+    """0-based places, in the set a map lives on, of the rows that it gives (its ``lid``)."""
+    if data.kind == "node":
+        size = len(node_indices(mesh, data.set, data.where))
+    elif data.kind == "element":
+        size = len(element_ids(mesh, data.set, data.where))
+    else:
+        size = sum(map(len, surface(mesh, data.set, data.where).facets.values()))
+    items = np.zeros(0, np.int64) if data.items is None else np.asarray(data.items, np.int64)
+    outside = (items < 1) | (items > size)
+    if outside.any():
+        bad = items[outside][0]
+        raise InputError(f'map "{data.name}": row lid={bad} lies outside "{data.set}", which has {size}', data.where)
+    return items - 1

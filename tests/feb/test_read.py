@@ -56,15 +56,15 @@ def test_bad_rows_are_refused_with_their_line(row):
 
 
 def test_scattered_ids():
-    ids = [3, 7, 10**12, 10**12 + 5]
+    ids = [3, 7, 2 * 10**9, 2 * 10**9 + 5]
     rows = "".join(f'<node id="{i}">{k},0,0</node>' for k, i in enumerate(ids))
     text = (f'<febio_spec version="4.0"><Mesh><Nodes name="all">{rows}</Nodes><Elements type="TET4" name="P">'
             f'<elem id="9">{",".join(map(str, reversed(ids)))}</elem></Elements></Mesh></febio_spec>')
     m = read_bytes(text.encode())
     assert m.mesh.blocks[0].conn.tolist() == [[3, 2, 1, 0]] and m.mesh.blocks[0].type == "tet4"
     with pytest.raises(InputError, match="node 8"):
-        read_bytes(text.replace(">7,", ">7,").replace("1000000000005,1000000000000,7,3",
-                                                      "1000000000005,1000000000000,8,3").encode())
+        read_bytes(text.replace(">7,", ">7,").replace("2000000005,2000000000,7,3",
+                                                      "2000000005,2000000000,8,3").encode())
 
 
 def test_sets_and_references():

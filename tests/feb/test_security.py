@@ -68,7 +68,30 @@ def test_included_sections_are_read(tmp_path):
 
 
 def test_memory_of_ids_and_ranges_is_bounded():
-    head = '<febio_spec version="4.0"><Mesh><Nodes><node id="9007199254740990">0,0,0</node></Nodes>'
+    head = '<febio_spec version="4.0"><Mesh><Nodes><node id="2147483647">0,0,0</node></Nodes>'
     assert len(read_bytes(f"{head}</Mesh></febio_spec>".encode()).mesh.node_ids) == 1
     with pytest.raises(InputError, match="range"):
         read_bytes(f'{head}<NodeSet name="s">1:999999999999</NodeSet></Mesh></febio_spec>'.encode())
+    many = ",".join(["1:9999999"] * 10)
+    with pytest.raises(InputError, match="range"):
+        read_bytes(f'{head}<NodeSet name="s">{many}</NodeSet></Mesh></febio_spec>'.encode())
+
+
+@pytest.mark.parametrize("text", [
+    '<Nodes><node id="2147483648">0,0,0</node></Nodes>',
+    "<Nodes>{}</Nodes>".format("".join(f'<node id="{2147483640 + k}">0,0,0</node>' for k in range(9))),
+    '<Nodes><node id="1">0,0,0</node></Nodes><ElementSet name="s">2147483648</ElementSet>',
+])
+def test_ids_that_32_bits_do_not_hold_are_refused(text):
+    """Plotfiles keep ids in 32 bits: a larger one would come back as another."""
+    with pytest.raises(InputError, match=r"2147483648.*2147483647"):
+        read_bytes(f'<febio_spec version="4.0"><Mesh>{text}</Mesh></febio_spec>'.encode(), "m.feb")
+
+
+@pytest.mark.parametrize("row", ['<node id="1">1_0,0,0</node>', '<node id="1_0">0,0,0</node>',
+                                 '<node id="\u0661">0,0,0</node>', '<node id="1">\u0661,0,0</node>'])
+def test_numbers_are_spelt_as_in_c(row):
+    """Python reads 1_0 as 10 and digits of any alphabet; FEBio does not."""
+    text = f'<febio_spec version="4.0"><Mesh><Nodes>{row}</Nodes></Mesh></febio_spec>'
+    with pytest.raises(InputError, match=r"m\.feb:1"):
+        read_bytes(text.encode(), "m.feb")

@@ -58,7 +58,7 @@ def test_what_is_refused(tmp_path: Path) -> None:
     multiplier = JOINT.format("rigid lock", "<laugon>LAGMULT</laugon><joint_origin>0,0,0</joint_origin>")
     with pytest.raises(UnsupportedError, match='LAGMULT</laugon> of <rigid_connector type="rigid lock">'):
         lower(cube.read(tmp_path, text(multiplier)))
-    with pytest.raises(InputError, match='no rigid body "cube"'):
+    with pytest.raises(InputError, match='no rigid body material "cube"'):
         lower(cube.read(tmp_path, text(fixed("Rx").replace("plate", "cube"))))
 
 
