@@ -46,9 +46,11 @@ def solve(
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
     """
+    from febkit.feb.validation import require
     from febkit.lower import lower
     from febkit.solver.run import Options, Run
 
+    require(model)
     data = _destinations(model, plotfile, logfile, data_anywhere)
     problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)
     if linear == "iterative":

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
+from collections.abc import Iterator
 
 from febkit.model import Component, Model, Step
-from febkit.model.math import compile as compile_formula
 from febkit.model.source import InputError
+from febkit.model.values import near
 
 from .features import anywhere, table
 from .findings import Finding
@@ -55,11 +54,6 @@ def check(model: Model) -> Iterator[Finding]:
         known_plots = table()["plot"]
         if v.type.partition("[")[0] not in known_plots:
             yield Finding("warning", f'unknown plot variable "{v.type}"{near(v.type, known_plots)}', v.where)
-
-
-def near(word: str, known: Iterable[str]) -> str:
-    close = get_close_matches(word, list(known), 1, 0.75)
-    return f'; did you mean "{close[0]}"?' if close else ""
 
 
 def stage(step: Step, old: bool) -> Iterator[Finding]:
@@ -112,6 +106,10 @@ def component(c: Component, kind: str | None, old: bool) -> Iterator[Finding]:
 
 def formulas(c: Component) -> Iterator[Finding]:
     if (c.type == "math" and c.text and not c.children) or (c.tag == "math" and c.text):
+        from febkit.model.math import (
+            compile as compile_formula,  # the parser is paid for where there is a formula
+        )
+
         text = c.text
     else:
         return

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from febkit.model import Component, Model, Step, Where
-from febkit.model.sets import element_ids, node_indices
+from febkit.model.sets import element_ids, map_items, missing, node_indices, surface
 from febkit.model.source import InputError
+from febkit.model.values import near
 
 from .findings import Finding
 
@@ -24,9 +26,10 @@ def check(model: Model) -> Iterator[Finding]:
     yield from domains(model)
     yield from sets(model)
     yield from curves(model)
+    known = Names.of(model)
     for step in (model.common, *model.steps):
-        yield from stage(model, step)
-    yield from maps(model)
+        yield from stage(model, step, known)
+    yield from maps(model, known)
     yield from output(model)
 
 
@@ -64,9 +67,12 @@ def domains(model: Model) -> Iterator[Finding]:
     done: set[str] = set()
     for d in model.domains:
         if d.block not in blocks:
-            yield Finding("error", f'domain "{d.block}": there are no <Elements> of that name', d.where)
+            message = f'domain "{d.block}": there are no <Elements> of that name{near(d.block, blocks)}'
+            yield Finding("error", message, d.where)
         if d.material not in names:
-            yield Finding("error", f'domain "{d.block}": there is no material "{d.material}"', d.where)
+            hint = near(d.material, [n or "" for n in names])
+            message = f'domain "{d.block}": there is no material "{d.material}"{hint}'
+            yield Finding("error", message, d.where)
         if d.block in done:
             yield Finding("error", f'domain "{d.block}" is defined twice', d.where)
         done.add(d.block)
@@ -112,13 +118,13 @@ def curves(model: Model) -> Iterator[Finding]:
             yield Finding("warning", f"load curve {c.id}: times do not increase", c.where)
 
 
-def stage(model: Model, step: Step) -> Iterator[Finding]:
+def stage(model: Model, step: Step, known: Names) -> Iterator[Finding]:
     for field in FIELDS:
         for c in getattr(step, field):
             yield from references(model, c)
-            yield from below(model, c)
+            yield from below(known, c)
     if step.control is not None:
-        yield from below(model, step.control)
+        yield from below(known, step.control)
         for name in ("time_steps", "step_size"):
             p = step.control.child(name)
             if p is not None and _number(p.text) <= 0 and p.text.strip() not in ("-1", ""):
@@ -141,57 +147,63 @@ def references(model: Model, c: Component) -> Iterator[Finding]:
                 node_indices(mesh, v)
             elif attr == "elem_set":
                 element_ids(mesh, v)
-            elif attr == "surface" and v not in mesh.surfaces:
-                raise InputError(f'there is no surface "{v}"')
+            elif attr == "surface":
+                surface(mesh, v)
             elif attr == "edge" and v not in mesh.edges:
-                raise InputError(f'there is no edge "{v}"')
+                raise missing("edge", v, mesh.edges, None)
             elif attr == "surface_pair" and v not in mesh.surface_pairs:
-                raise InputError(f'there is no surface pair "{v}"')
+                raise missing("surface pair", v, mesh.surface_pairs, None)
         except InputError as e:
             yield Finding("error", f'<{c.tag} type="{c.type}">: {e.message}', c.where)
 
 
-def below(model: Model, c: Component) -> Iterator[Finding]:
+@dataclass(frozen=True, slots=True)
+class Names:
+    """What a parameter may refer to."""
+
+    curves: frozenset[int]
+    maps: frozenset[str]
+    bodies: frozenset[str]  # names and numbers of rigid materials
+
+    @classmethod
+    def of(cls, model: Model) -> Names:
+        rigid = [m for m in model.materials if m.type == "rigid body"]
+        bodies = frozenset(m.name or "" for m in rigid) | {str(m.id) for m in rigid}
+        return cls(frozenset(c.id for c in model.controllers), frozenset(d.name for d in model.mesh_data), bodies)
+
+
+def below(known: Names, c: Component) -> Iterator[Finding]:
     """Curves, maps and rigid bodies anywhere in a tree."""
-    lc = c.attrs.get("lc")
-    if lc not in (None, "", "0") and lc not in {str(x.id) for x in model.controllers}:
+    try:
+        lc = c.lc
+    except InputError as e:
+        yield Finding("error", e.message, c.where)
+        lc = None
+    if lc is not None and lc not in known.curves:
         yield Finding("error", f'<{c.tag} lc="{lc}">: there is no load controller {lc}', c.where)
-    if c.type == "map" and c.text and c.text not in {d.name for d in model.mesh_data}:
-        yield Finding("error", f'<{c.tag} type="map">: there is no map "{c.text}" in <MeshData>', c.where)
-    if c.tag in BODIES and not c.children and c.text and "," not in c.text:
-        rigid = {m.name for m in model.materials if m.type == "rigid body"}
-        numbers = {str(m.id) for m in model.materials if m.type == "rigid body"}
-        if c.text not in rigid and c.text not in numbers:
-            yield Finding("error", f'<{c.tag}>: there is no rigid body material "{c.text}"', c.where)
+    if c.type == "map" and c.text and c.text not in known.maps:
+        message = f'<{c.tag} type="map">: there is no map "{c.text}" in <MeshData>{near(c.text, known.maps)}'
+        yield Finding("error", message, c.where)
+    if c.tag in BODIES and not c.children and c.text and "," not in c.text and c.text not in known.bodies:
+        message = f'<{c.tag}>: there is no rigid body material "{c.text}"{near(c.text, known.bodies)}'
+        yield Finding("error", message, c.where)
     for x in c.children:
-        yield from below(model, x)
+        yield from below(known, x)
 
 
-def maps(model: Model) -> Iterator[Finding]:
+def maps(model: Model, known: Names) -> Iterator[Finding]:
     mesh = model.mesh
     for m in (*model.materials, *model.discrete):
-        yield from below(model, m)
+        yield from below(known, m)
     for d in model.discrete:
         name = d.attrs.get("discrete_set")
         if name is not None and name not in mesh.discrete_sets:
             yield Finding("error", f'<{d.tag}>: there is no discrete set "{name}"', d.where)
     for r in model.mesh_data:
         try:
-            if r.kind == "node":
-                size = len(node_indices(mesh, r.set))
-            elif r.kind == "element":
-                size = len(element_ids(mesh, r.set))
-            elif r.set in mesh.surfaces:
-                size = sum(map(len, mesh.surfaces[r.set].facets.values()))
-            else:
-                raise InputError(f'there is no surface "{r.set}"')
+            map_items(mesh, r)
         except InputError as e:
-            yield Finding("error", f'map "{r.name}": {e.message}', r.where)
-            continue
-        if r.items is not None and len(r.items) and (r.items.min() < 1 or r.items.max() > size):
-            bad = r.items[(r.items < 1) | (r.items > size)][0]
-            yield Finding("error", f'map "{r.name}": row lid={bad} lies outside "{r.set}", which has {size}',
-                          r.where)
+            yield Finding("error", e.message, r.where)
 
 
 def output(model: Model) -> Iterator[Finding]:

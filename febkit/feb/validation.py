@@ -8,6 +8,7 @@ from os import PathLike, fspath
 import numpy as np
 
 from febkit.model import InputError, Model, Where
+from febkit.model.source import together
 
 from . import check_features, check_mesh, check_references
 from .document import Document
@@ -39,6 +40,13 @@ def check(model: Model) -> list[Finding]:
     """The same for a model in memory, the solver not asked."""
     return _sorted([*_document(model), *check_features.check(model), *check_references.check(model),
                     *check_mesh.check(model), *_sense(model)])
+
+
+def require(model: Model) -> None:
+    """Raises InputError for what :func:`check` calls errors: what must not be solved."""
+    found = [InputError(f.message, f.where) for f in check(model) if f.severity == "error"]
+    if found:
+        raise together(found)
 
 
 def _sorted(found: list[Finding]) -> list[Finding]:

@@ -5,8 +5,9 @@ What the solver lacks is refused here, by name and place, before anything is sol
 
 from __future__ import annotations
 
-from febkit.model import InputError, Model, UnsupportedError
+from febkit.model import InputError, Model, UnsupportedError, Where
 from febkit.model import Step as ModelStep
+from febkit.model.source import together
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
 from . import conditions, control, loads, materials, rigid, shells
@@ -20,11 +21,7 @@ def lower(model: Model) -> Problem:
     """
     problem, refused = _lower(model)
     if refused:
-        more = [f"  {r}" for r in refused[1:12]]
-        if len(refused) > 12:
-            more.append(f"  and {len(refused) - 12} more")
-        text = "\n".join([refused[0].message, *(["also:", *more] if more else [])])
-        raise UnsupportedError(text, refused[0].where)
+        raise together(refused)
     assert problem is not None
     return problem
 
@@ -63,9 +60,9 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         ties.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
     if not steps:
-        raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", None)
+        raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", Where(model.file))
     if not blocks and not bodies and not ctx.refused:
-        raise InputError("the model has no solid domain", None)
+        raise InputError("the model has no solid domain", Where(model.file))
     if ctx.refused:
         return None, ctx.refused
     return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies), []

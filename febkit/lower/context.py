@@ -75,7 +75,7 @@ class Context:
     def controller(self, number: int, leaf: Component) -> Controller:
         """The load controller of this id, which ``leaf`` names, as a function of time."""
         if number not in self._controllers:
-            spec = next((c for c in self.model.controllers if c.id == number), None)
+            spec = self.curves.get(number)
             if spec is None:
                 raise InputError(f'<{leaf.tag} lc="{number}">: there is no load controller {number}', leaf.where)
             self._controllers[number] = self._make_controller(spec)
@@ -234,6 +234,10 @@ class Context:
                 if k is not None:
                     out[k, : len(row)] = row
         return out
+
+    @cached_property
+    def curves(self) -> dict[int, LoadController]:
+        return {c.id: c for c in reversed(self.model.controllers)}
 
     @cached_property
     def blocks(self) -> dict[str, ElementBlock]:

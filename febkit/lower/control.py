@@ -70,7 +70,7 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
     )  # fmt: skip
     if leaf is not None and leaf.lc is not None:
         a.dtmax_curve = ctx.controller(leaf.lc, leaf)
-        spec = next(q for q in ctx.model.controllers if q.id == leaf.lc)
+        spec = ctx.curves[leaf.lc]
         a.must_points = tuple(t for t, _ in spec.points)
         a.repeat = spec.spec.str("extend").upper() == "REPEAT"
     points = c.child("must_points")

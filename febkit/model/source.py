@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -27,3 +28,12 @@ class InputError(ValueError):
 
 class UnsupportedError(InputError):
     """A feature that febkit does not solve, refused by name before anything is solved."""
+
+
+def together(found: Sequence[InputError]) -> InputError:
+    """One error that says the first of several and lists the others, a dozen at most."""
+    more = [f"  {e}" for e in found[1:12]]
+    if len(found) > 12:
+        more.append(f"  and {len(found) - 12} more")
+    text = "\n".join([found[0].message, *(["also:", *more] if more else [])])
+    return type(found[0])(text, found[0].where)
