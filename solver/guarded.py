@@ -25,11 +25,11 @@ MOST = 60  # iterations
 
 
 def solve(newton: Newton) -> None:
-    """Solve the present time step. Raises NotConverged and LinearError."""
+    """Solve the present time step. Raises NotConverged, NotFinite and LinearError."""
     from .newton import Norms, NotConverged
 
     system, norms, done = newton.system, Norms(), 0.0
-    before, after = system.state.d.copy(), system.targets(system.state.time)
+    before, after = system.state.d.copy(), newton.targets()
     newton.target, newton.increment = after, np.zeros_like(newton.total)
     given = np.zeros_like(newton.total)
     given[newton.given] = (system.gather(after) - system.gather(before))[newton.given]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 
 from . import guarded
 from .clock import Clock
+from .finite import NotFinite, blame, node, whole
 from .group import NegativeJacobian
 from .inverse import Inverse
 from .linear.base import LinearError, LinearSolver, Matrix
-from .problem import P
+from .pattern import GIVEN
+from .problem import COLUMNS, P
 from .quasi_newton import METHODS, Anderson, FullNewton
 from .system import System
 from .vectors import dot
@@ -118,8 +121,8 @@ class Newton:
     def tangent(self, step: Floats) -> tuple[Matrix, Floats]:
         with self.clock("tangent"):
             A, Fd = self.system.tangent(step)
-        if not np.isfinite(A.data).all():
-            raise NotConverged("the tangent holds a number that is not finite")
+        if not whole(A.data):
+            raise blame(self.system, "tangent")
         return A, Fd
 
     def _reform(self, step: Floats) -> Floats:
@@ -167,12 +170,22 @@ class Newton:
         self.invert(A)
         return R0, self.on_rows(self.inverse.refined, R0)
 
+    def targets(self) -> Floats:
+        """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
+        out = self.system.targets(self.system.state.time)
+        bad = np.argwhere((self.system.eqs.kind == GIVEN) & ~np.isfinite(out))
+        if len(bad):
+            row, column = (int(i) for i in bad[0])
+            where = node(self.system.problem, row)
+            raise NotFinite(f"the {COLUMNS[column]} prescribed on {where} is {out[row, column]:g}")
+        return out
+
     def residual(self) -> Floats:
         self.count.residuals += 1
         with self.clock("residual"):
             R = self.system.residual()
-        if not np.isfinite(R).all():
-            raise NotConverged("the residual holds a number that is not finite")
+        if not (self.system.finite and whole(R)):
+            raise blame(self.system, "residual")
         return R
 
     def _move(self, u: Floats) -> None:
@@ -243,7 +256,7 @@ class Newton:
 
     # ---- the loop ---------------------------------------------------------------------------------
     def step(self) -> Counts:
-        """Solve the present time step. Raises NotConverged, NegativeJacobian or LinearError."""
+        """Solve the present time step. Raises NotConverged, NotFinite, ElementFailure or LinearError."""
         self.count, self._renewed, self._left = Counts(), False, np.inf
         made = self.inverse.made
         try:
@@ -259,7 +272,7 @@ class Newton:
     def _solve_step(self) -> None:
         sys_, o = self.system, self.options
         self.increment = np.zeros_like(self.total)
-        self.target = sys_.targets(sys_.state.time)
+        self.target = self.targets()
         du = np.zeros_like(self.total)
         given = sys_.gather(self.target) - sys_.gather(sys_.state.d)
         du[self.given] = given[self.given]
@@ -310,6 +323,9 @@ class Newton:
             m.u0, m.p0 = self._square(u, self.is_u), self._square(u, self.is_p)
         self.increment = self.system.compose(self.increment, s * u)
         report, converged = self._test(u, s, R1, m)
+        for name, norm in report.items():  # of numbers too large to be squared: no test on them means anything
+            if not (isfinite(norm.initial) and isfinite(norm.now)):
+                raise NotFinite(f"the norm of {'the ' + name} overflows: the numbers of the model are too large")
         self.watch(Iteration(
             self.system.state.time, k.iterations + 1, self.qn.count, k.residuals, k.reforms, s, report
         ))  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import compilation
 from .clock import Clock
+from .finite import NotFinite, check_parameters, check_state
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged
@@ -102,6 +103,7 @@ class Run:
             getattr(listener, event)(self, *args)
 
     # ---- the loop ---------------------------------------------------------------------------------
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what comes of it is found by ``finite``
     def solve(self) -> Result:
         """Run all steps. Failure and interruption end cleanly: what was saved stays."""
         t0, waited, made = compilation.now(), compilation.seconds(), compilation.count()
@@ -117,8 +119,8 @@ class Run:
                 self._save("solved")
         except KeyboardInterrupt:
             reason, interrupted = f"interrupted at time {self.state.time:g}", True
-        except ElementFailure as e:
-            reason = str(e)
+        except (ElementFailure, NotFinite) as e:
+            reason = f"{e}, at time {self.state.time:g}"
         finally:
             compilation.hears.remove(self.tell)
         self.totals.seconds["total"] = compilation.now() - t0
@@ -133,6 +135,8 @@ class Run:
     def _set_up(self) -> None:
         size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
         self.groups = [Group(b, self.problem.X, size) for b in self.problem.blocks]
+        for g in self.groups:
+            check_parameters(g.block, g.points(), steady=True)
         self.schedule = Schedule(self.groups, self.team)
         if self.options.stabilise:
             for g in self.groups:
@@ -192,15 +196,23 @@ class Run:
                 load.begin(s.reaction)
         for contact in step.contacts:
             contact.activate(s, self.groups)
-        self.stepper = stepper(step, s.time, self.options.accuracy)
+        try:
+            self.stepper = stepper(step, s.time, self.options.accuracy)
+        except ValueError as e:
+            return str(e)
         self.integrator = self._second_order(newton)
         self.stepper.first(s.time)
+        if self.stepper.vanishing:
+            return f"the first time step is {self.stepper.dt:g}, at time {s.time:g}"
         self.count = 0
         self.tell("begin_analysis")
         if self.system.dynamic:
             from .start import accelerate
 
-            accelerate(self.system, route)
+            try:
+                accelerate(self.system, route)
+            except LinearError as e:
+                return f"the accelerations at the start: {e}"
         try:
             while self.stepper.end - s.time > abs(self.stepper.end) * 1e-7:
                 reason = self._time_step(newton)
@@ -238,7 +250,7 @@ class Run:
             self.tell("begin_step", self.count + 1, t)
             try:
                 counts, good = self._attempt(newton)
-            except (NotConverged, ElementFailure, LinearError) as e:
+            except (NotConverged, NotFinite, ElementFailure, LinearError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 self._restore(saved, newton)
@@ -350,6 +362,7 @@ class Run:
             self._hand_over(0 if event == "major" else 2)
 
     def _hand_over(self, status: int) -> None:
+        check_state(self.problem, self.state, self.groups)
         self._saved_at = self.totals.steps
         self.times.append(self.state.time)
         with self.clock("output"):
@@ -358,7 +371,7 @@ class Run:
 
 def _hopeless(e: Exception) -> bool:
     """Would a smaller step fail in the same way?"""
-    return isinstance(e, LinearError) and not isinstance(e, Stalled)
+    return (isinstance(e, LinearError) and not isinstance(e, Stalled)) or (isinstance(e, NotFinite) and e.given)
 
 
 def run(problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> Result:

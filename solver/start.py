@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .finite import blame, whole
+
 if TYPE_CHECKING:
     from .route import Route
     from .system import System
 
 
 def accelerate(system: System, route: Route) -> None:
-    """Set the state's accelerations, at time 0 alone."""
+    """Set the state's accelerations, at time 0 alone. Raises NotFinite and LinearError."""
     s = system.state
     if s.time != 0.0:
         return
@@ -24,6 +26,8 @@ def accelerate(system: System, route: Route) -> None:
         load.residual(s, f)
     for load in system.body_loads:
         load.residual(s, system.carriers, f)
+    if not whole(f):
+        raise blame(system, "residual")
     if system.bodies is not None or system.ties is not None:
         _with_ties(system, route, f)
         return

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .finite import whole
 from .group import Group
 from .kernels.pattern import scatter_any
 from .law import PoreCollapse
@@ -48,6 +49,7 @@ class System:
         self.contacts = [*problem.common.contacts, *step.contacts]
         self.progress = Progress()
         self.dry: NDArray[np.int64] | None = None  # equations of pressures that contact holds at zero
+        self.finite = True  # all forces of the last residual were
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
@@ -285,6 +287,7 @@ class System:
             contact.residual(s, total)
         if self.dynamic:
             self._inertia(total)
+        self.finite = whole(total)  # forces at held and prescribed unknowns too, which no norm sees
         if self.ties is not None:
             self.ties.gather(s, total, self.alphaf)
         out = self.gather(total)

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from febkit.model import Model
 from febkit.results.variables import VARIABLES
 from febkit.results.xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
 from febkit.results.xplt.writer import PlotWriter
+from febkit.solver.finite import NotFinite, whole
 from febkit.solver.result import Result
 from febkit.solver.run import Listener, Run
 
@@ -18,6 +20,8 @@ from . import fields
 
 if TYPE_CHECKING:
     from os import PathLike
+
+Floats = NDArray[np.float64]
 
 
 def plot_mesh(model: Model) -> PlotMesh:
@@ -37,6 +41,16 @@ def plot_mesh(model: Model) -> PlotMesh:
         {n: s.elements for n, s in model.mesh.element_sets.items()},
         [(ids[m.name], m.name or "") for m in model.materials],
     )
+
+
+def single(values: Floats, name: str) -> NDArray[np.float32]:
+    """Values as a plotfile holds them. Raises NotFinite where some are not finite, or too large for it."""
+    with np.errstate(over="ignore"):
+        out = np.asarray(values, np.float32)
+    if not whole(out):
+        worst = np.asarray(values)[~np.isfinite(out)].flat[0]
+        raise NotFinite(f'the plot variable "{name}" is {worst:g} somewhere, which a plotfile cannot hold')
+    return out
 
 
 class PlotListener(Listener):
@@ -72,10 +86,10 @@ class PlotListener(Listener):
 
     def _values(self, run: Run, name: str) -> Any:
         if VARIABLES[name].section == "node":
-            return {0: np.asarray(fields.NODAL[name](run)[: len(self.mesh.X)], np.float32)}
+            return {0: single(fields.NODAL[name](run)[: len(self.mesh.X)], name)}
         if name in fields.SURFACE:
             at = {s.name: k + 1 for k, s in enumerate(self.mesh.surfaces)}
-            return {at[s]: v.astype(np.float32) for s, v in fields.on_surfaces(run, name).items()}
+            return {at[s]: single(v, name) for s, v in fields.on_surfaces(run, name).items()}
         out: dict[int, Any] = {}
         nodal = fields.DOMAIN_NODAL.get(name)
         groups = {g.block.name: g for g in run.groups}
@@ -85,14 +99,14 @@ class PlotListener(Listener):
                 continue
             if nodal is not None:
                 if nodal[1](group):
-                    out[k + 1] = nodal[0](run)[domain.nodes()].astype(np.float32)
+                    out[k + 1] = single(nodal[0](run)[domain.nodes()], name)
                 continue
             if name in fields.INTERPOLATED:
                 v: Any = fields.interpolated(fields.INTERPOLATED[name](run), group)
             else:
                 v = fields.DOMAIN[name](group)
             if v is not None:
-                out[k + 1] = v.astype(np.float32)
+                out[k + 1] = single(v, name)
         return out
 
     def end(self, run: Run, result: Result) -> None:

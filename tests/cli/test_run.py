@@ -149,3 +149,17 @@ def test_ctrl_c_leaves_a_readable_plotfile(tmp_path: Path) -> None:
     ds = febkit.open_results(plot)
     assert ds.sizes["time"] >= 3
     assert np.isfinite(np.asarray(ds["displacement"][-1])).all()
+
+
+@pytest.mark.parametrize(("E", "said"), [
+    ('<E type="math">sqrt(-1-X)</E>', "its parameter E is nan"),  # not finite
+    ("<E>1e120</E>", 'the plot variable "stress" is'),  # more than the 4 bytes of a plotfile hold
+    ("<E>1e200</E>", "overflows"),  # its square is more than a double holds
+])  # fmt: skip
+def test_states_that_are_not_finite_are_not_written(model: Path, E: str, said: str) -> None:
+    edit(model, "<E>0.6</E>", E)
+    done = run(model.name, folder=model.parent)
+    assert done.returncode == 1 and said in done.stderr.replace("\n", " ") and "Traceback" not in done.stderr
+    if model.with_suffix(".xplt").exists():
+        ds = febkit.open_results(model.with_suffix(".xplt"))
+        assert all(np.isfinite(ds[name].values).all() for name in ("displacement", "stress"))
