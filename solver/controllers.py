@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import fmod
+from math import fmod, inf
 from typing import Literal
 
 import numpy as np
@@ -22,6 +22,7 @@ INTERPOLATIONS = (
     "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "c2 smooth",
 )
 EXTENSIONS = ("constant", "extrapolate", "repeat", "repeat offset")
+TURNS = 1000  # periods of a curve that repeats, beyond which they are not counted one by one
 
 
 def _known(text: str, names: Sequence[str], what: str) -> str:
@@ -37,7 +38,7 @@ def _known(text: str, names: Sequence[str], what: str) -> str:
 class LoadCurve:
     """A value in time through ``points`` (n, 2) of times and values, in order of time.
 
-    Raises ValueError for an interpolation or extension of another name, and for times that go back.
+    Raises ValueError for an interpolation or extension of another name, times that go back, and nan or inf.
     """
 
     points: ArrayLike
@@ -52,6 +53,8 @@ class LoadCurve:
         self.times, self.values = p[:, 0].copy(), p[:, 1].copy()
         if (np.diff(self.times) < 0).any():
             raise ValueError("the times of a load curve must not go back")
+        if not np.isfinite(p).all():
+            raise ValueError("the points of a load curve must be finite numbers")
         self.interpolate = _known(self.interpolate, INTERPOLATIONS, "interpolation")
         self.extend = _known(self.extend, EXTENSIONS, "extension")
         if len(p) > 1:
@@ -77,11 +80,7 @@ class LoadCurve:
         if self.extend == "extrapolate":
             return self._extrapolated(t)
         if self.extend.startswith("repeat"):
-            turns = 0
-            while t < x[0]:
-                t, turns = t + length, turns - 1
-            while t > x[-1]:
-                t, turns = t - length, turns + 1
+            t, turns = _wrapped(t, float(x[0]), float(x[-1]))
             return self(t) + (turns * (y[-1] - y[0]) if self.extend == "repeat offset" else 0.0)
         return float(y[0] if t < x[0] else y[-1])
 
@@ -99,17 +98,25 @@ class LoadCurve:
             return _line(t, x[0], y[0], x[0] + h, self(x[0] + h))
         return _line(t, x[-1] - h, self(x[-1] - h), x[-1], y[-1])
 
-    def points_in(self, t0: float, t1: float) -> list[float]:
-        """Times of the points in (t0, t1], over again where the curve repeats."""
-        if len(self.times) == 0:
-            return []
-        own = [float(t) for t in self.times]
-        length = own[-1] - own[0]
-        if not self.extend.startswith("repeat") or length == 0.0:
-            return [t for t in own if t0 < t <= t1]
-        first, last = int((t0 - own[-1]) // length), int((t1 - own[0]) // length)
-        found = {t + k * length for k in range(first, last + 1) for t in own}
-        return sorted(t for t in found if t0 < t <= t1)
+
+def _wrapped(t: float, first: float, last: float) -> tuple[float, float]:
+    """A time outside [first, last] moved into it by whole periods, and how many (negative before ``first``).
+
+    Up to TURNS periods are taken off one by one, as FEBio does: on which side of a saw's jump a time falls that meets
+    a point is decided by the rounding of these differences. Beyond, by the remainder of the division.
+    """
+    period = last - first
+    if abs(t - first) > TURNS * period:
+        rest = fmod(t - first, period)
+        if rest < 0.0 or (rest == 0.0 and t > last):  # a period's end belongs to the period before it
+            rest += period
+        return min(first + rest, last), (t - first - rest) / period
+    turns = 0
+    while t < first:
+        t, turns = t + period, turns - 1
+    while t > last:
+        t, turns = t - period, turns + 1
+    return t, turns
 
 
 def _line(t: float, t0: float, f0: float, t1: float, f1: float) -> float:
@@ -225,6 +232,11 @@ class Interval:
     interval: tuple[float, float] = (0.0, 1.0)
     left: Extension = "constant"
     right: Extension = "constant"
+
+    def __post_init__(self) -> None:
+        a, b = self.interval
+        if not a < b < inf or a == -inf:
+            raise ValueError(f"the interval must have an end after its start, not {a:g} to {b:g}")
 
     def __call__(self, t: float) -> float:
         a, b = self.interval

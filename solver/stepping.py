@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from collections.abc import Sequence
+from math import floor, inf, sqrt
 
 from .problem import AutoStep, Step
 
 HALVINGS = 8  # of a step that goes beyond FEBio's retries
 SMALLEST = 1e-12  # step over end time, as for the distance of must points
+FAR = 1000.0  # periods of must points that repeat
 
 
 class FixedSteps:
@@ -18,6 +20,8 @@ class FixedSteps:
         self.retries = 0
         self.beyond = False  # past what FEBio would do
         self.end = start + (step.dt * step.count if step.duration is None else step.duration)
+        if not (step.dt > 0 and start < self.end < inf):
+            raise ValueError(f"no time steps of {step.dt:g} lead from time {start:g} to {self.end:g}")
         self.at_must_point = False
 
     def first(self, t: float) -> None:
@@ -40,7 +44,7 @@ class FixedSteps:
     @property
     def vanishing(self) -> bool:
         """True where the step has shrunk to nothing against the end time: going on would never get there."""
-        return self.dt <= abs(self.end) * SMALLEST
+        return not self.dt > abs(self.end) * SMALLEST
 
 
 class AutoSteps(FixedSteps):
@@ -55,6 +59,9 @@ class AutoSteps(FixedSteps):
     def __init__(self, step: Step, start: float, auto: AutoStep) -> None:
         super().__init__(step, start)
         self.auto = auto
+        self._points: Sequence[float] = sorted(set(auto.must_points))
+        if auto.repeat and self._points and not self._points[-1] > abs(self.end) * SMALLEST:
+            raise ValueError(f"must points that repeat every {self._points[-1]:g} never come to an end")
         self._base = step.dt  # size before must points cut it
         self._cut = 0.0
         self._next = -1
@@ -94,26 +101,23 @@ class AutoSteps(FixedSteps):
         self.at_must_point = self._must >= 0
 
     def _before_must_point(self, t: float, dt: float) -> float:
-        points, a = self.auto.must_points, self.auto
+        points, eps = self._points, self.end * 1e-12
         self._must = -1
         if not points:
             return dt
-        eps = self.end * 1e-12
-        if self._next >= len(points):
-            if not a.repeat:
-                return dt
-            self._offset += points[-1]
-            self._next = -1
-        if self._next < 0:
-            self._next = 0
-            while points[self._next] + self._offset < t + eps:
-                self._next += 1
-                if self._next >= len(points):
-                    if not a.repeat:
-                        return dt
-                    self._next = 0
-                    self._offset += points[-1]
-        must = points[self._next] + self._offset
+        self._next = max(self._next, 0)
+        if self.auto.repeat and t - self._offset > FAR * points[-1]:  # not to be gone through one by one
+            self._offset += floor((t - self._offset) / points[-1] - 1.0) * points[-1]
+        while True:
+            if self._next >= len(points):
+                if not self.auto.repeat:
+                    return dt
+                self._offset += points[-1]
+                self._next = 0
+            must = points[self._next] + self._offset
+            if must >= t + eps:
+                break
+            self._next += 1
         if must < t + dt + eps:
             self._must = self._next
             self._next += 1
@@ -144,8 +148,9 @@ class ErrorSteps(AutoSteps):
     """
 
     def __init__(self, step: Step, start: float, accuracy: float) -> None:
-        auto = step.auto or AutoStep(must_points=tuple(start + step.dt * (i + 1) for i in range(step.count)))
-        super().__init__(step, start, auto)
+        super().__init__(step, start, step.auto or AutoStep(must_points=(step.dt,), repeat=True))
+        if step.auto is None:  # the ends of the file's steps
+            self._offset = start
         self.accuracy = accuracy
         self._last = 1.0, inf  # size and error of the last try that failed
         self._stalls = 0

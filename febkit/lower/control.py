@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from febkit.model import Component, InputError, values
+from febkit.model import Component, InputError, Where, values
 from febkit.solver.problem import DYNAMIC, STATIC, STEADY, TRANSIENT, AutoStep, NewtonOptions, Saving, Step
+from febkit.solver.stepping import SMALLEST
 
 from .context import Context
 
@@ -34,6 +35,14 @@ SOLVER = frozenset({
     "rtol", "ptol", "ctol", "rhoi", "alpha", "beta", "gamma", "logSolve", "arc_length", "arc_length_scale",
     "qn_method", "mixed_formulation", "linear_solver", "init_accelerations",
 })  # fmt: skip
+NUMBERS = {  # tags and options
+    "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "min_residual": "min_residual",
+    "max_residual": "max_residual", "lstol": "line_tolerance", "lsmin": "line_minimum", "rhoi": "rho_inf",
+    "alpha": "alpha", "beta": "beta", "gamma": "gamma",
+}  # fmt: skip
+SIGNED = frozenset({"ptol", "rhoi", "alpha", "beta", "gamma"})  # FEBio bounds all others by 0
+LAST = 3.4e38  # a time in a plotfile
+SHORTEST = 1e-300  # beta dt^2 of dynamics, by which masses are divided
 QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax"})
 
 
@@ -42,19 +51,58 @@ def step(ctx: Context, control: Component, out: Step) -> None:
     ctx.check_tags(control, KNOWN)
     names, usual = (BIPHASIC_ANALYSIS, TRANSIENT) if ctx.model.module == "biphasic" else (ANALYSIS, STATIC)
     out.analysis = control.choice("analysis", names, usual)
-    out.dt, out.count = control.float("step_size", 0.1), control.int("time_steps", -1)
-    if out.count < 0:
-        out.duration = control.float("final_time", 0.0)
-    end = end_time(out)
-    if not (out.dt > 0 and 0 < end < math.inf):
-        why = "nothing is solved" if end == 0 or out.dt == 0 else f"the step would end at t = {end:g}"
-        raise InputError(
-            "<Control> must give <time_steps> or <final_time>, and a <step_size>, of more than 0: " + why, control.where
-        )
+    _times(control, out)
     stepper = control.child("time_stepper")
     out.auto = None if stepper is None else _auto(ctx, stepper, out)
     out.newton = _newton(ctx, control.child("solver"))
+    if out.analysis == DYNAMIC:
+        _check_integrator(control, out)
     out.saving = _saving(control)
+
+
+def _times(c: Component, out: Step) -> None:
+    """Step size and number of steps, or the end time where <time_steps> is -1 (FEBio's defaults: 10 steps of 0.1)."""
+    out.dt, out.count = _number(c, "step_size", 0.1, above=0.0), c.int("time_steps", 10)
+    final = c.child("final_time")
+    if out.count == -1:
+        out.duration = _number(c, "final_time", 0.0, above=0.0)
+    elif out.count < 1:
+        raise InputError(f"<time_steps> must be at least 1, or -1 for <final_time>, not {out.count}",
+                         _where(c, "time_steps"))  # fmt: skip
+    elif final is not None and c.child("time_steps") is None:
+        raise InputError("<final_time> counts where <time_steps> is -1 only: give <time_steps>-1</time_steps> with it, "
+                         "or leave it out for FEBio's 10 steps", final.where)  # fmt: skip
+    end = end_time(out)
+    if not end <= LAST:
+        raise InputError(f"the end time {end:g} is too large: a plotfile holds times up to {LAST:.2g}", c.where)
+
+
+def _check_integrator(c: Component, out: Step) -> None:
+    """Raise InputError where Newmark's rule would divide by nothing."""
+    o, solver = out.newton, c.child("solver")
+    if o.rho_inf == -1 or 0 <= o.rho_inf <= 1:
+        beta = 0.25
+    else:
+        beta = o.beta
+        for tag, value in (("alpha", o.alpha), ("beta", o.beta)):
+            if solver is not None and not value > 0:
+                raise InputError(f"<{tag}> must be more than 0 in dynamics, not {value:g}", _where(solver, tag))
+    if beta * out.dt**2 < SHORTEST:
+        raise InputError(f"<step_size> is too small for a dynamic analysis: {out.dt:g}", _where(c, "step_size"))
+
+
+def _where(c: Component, tag: str) -> Where:
+    leaf = c.child(tag)
+    return c.where if leaf is None else leaf.where
+
+
+def _number(c: Component, tag: str, default: float, least: float = -math.inf, above: float = -math.inf) -> float:
+    """A finite number of at least ``least`` and more than ``above``."""
+    v = c.float(tag, default)
+    if math.isfinite(v) and v >= least and v > above:
+        return v
+    limit = f" more than {above:g}" if above > -math.inf else f" of at least {least:g}" if least > -math.inf else ""
+    raise InputError(f"<{tag}> must be a finite number{limit}, not {v:g}", _where(c, tag))
 
 
 def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
@@ -65,18 +113,34 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
     curved = leaf is not None and leaf.lc is not None  # the curve alone counts; FEBio takes an empty value then
     a = AutoStep(
         max_retries=c.int("max_retries", 5), optimal_iterations=c.int("opt_iter", 11),
-        dtmin=c.float("dtmin", 0.0), dtmax=0.0 if curved else c.float("dtmax", 0.1),
-        aggressive=c.bool("aggressiveness"), cutback=c.float("cutback", 0.5), force=c.bool("dtforce"),
+        dtmin=_number(c, "dtmin", 0.0, least=0.0), dtmax=0.0 if curved else _number(c, "dtmax", 0.1, least=0.0),
+        aggressive=c.bool("aggressiveness"), cutback=_number(c, "cutback", 0.5, above=0.0), force=c.bool("dtforce"),
     )  # fmt: skip
+    for tag, value, least in (("max_retries", a.max_retries, 0), ("opt_iter", a.optimal_iterations, 1)):
+        if value < least:
+            raise InputError(f"<{tag}> must be at least {least}, not {value}", _where(c, tag))
     if leaf is not None and leaf.lc is not None:
-        a.dtmax_curve = ctx.controller(leaf.lc, leaf)
-        spec = ctx.curves[leaf.lc]
-        a.must_points = tuple(t for t, _ in spec.points)
-        a.repeat = spec.spec.str("extend").upper() == "REPEAT"
+        _curve(ctx, leaf, leaf.lc, a, out)
     points = c.child("must_points")
     if points is not None and points.text.strip():
         a.must_points = points.as_floats()
+        if not all(map(math.isfinite, a.must_points)):
+            raise InputError("<must_points> must be finite numbers", points.where)
     return a
+
+
+def _curve(ctx: Context, leaf: Component, number: int, a: AutoStep, out: Step) -> None:
+    """The largest step by a load curve, whose points are must points."""
+    a.dtmax_curve = ctx.controller(number, leaf)
+    spec = ctx.curves[number]
+    a.must_points = tuple(t for t, _ in spec.points)
+    a.repeat = spec.spec.str("extend").upper() == "REPEAT"
+    if len(a.must_points) < 2:
+        raise InputError(f"<dtmax lc> asks for a load curve of two points at least; load controller {number} "
+                         f"has {len(a.must_points)}", leaf.where)  # fmt: skip
+    if a.repeat and not a.must_points[-1] > end_time(out) * SMALLEST:
+        raise InputError(f"load controller {number} repeats: its last time, here {a.must_points[-1]:g}, must be more "
+                         f"than {SMALLEST:g} of the end time", leaf.where)  # fmt: skip
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
@@ -90,13 +154,9 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
         leaf = c.child(tag)
         if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none", "false"):
             ctx.refuse(f"<{tag}>", leaf.where)
-    numbers = {
-        "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "min_residual": "min_residual",
-        "max_residual": "max_residual", "lstol": "line_tolerance", "lsmin": "line_minimum", "rhoi": "rho_inf",
-        "alpha": "alpha", "beta": "beta", "gamma": "gamma",
-    }  # fmt: skip
-    for tag, name in numbers.items():
-        setattr(o, name, c.float(tag, getattr(o, name)))
+    for tag, name in NUMBERS.items():
+        least = -math.inf if tag in SIGNED else 0.0
+        setattr(o, name, _number(c, tag, getattr(o, name), least=least))
     o.line_iterations = c.int("lsiter", o.line_iterations)
     o.line_check_jacobians = c.bool("ls_check_jacobians")
     # FEBio tests the count after each reformation, and 0 means none is allowed
@@ -122,7 +182,7 @@ def _quasi_newton(ctx: Context, c: Component, o: NewtonOptions) -> None:
     o.updates = c.int("max_ups", 10)
     o.buffer = c.int("max_buffer_size", 0)
     o.cycle = c.bool("cycle_buffer", True)
-    o.cmax = c.float("cmax", 1e5)
+    o.cmax = _number(c, "cmax", 1e5, least=0.0)
 
 
 def _saving(c: Component) -> Saving:
@@ -139,4 +199,3 @@ def _saving(c: Component) -> Saving:
 def end_time(s: Step) -> float:
     """Duration of a step."""
     return s.duration if s.duration is not None else s.dt * s.count
-

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from math import floor
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -97,11 +99,29 @@ def test_empty_and_single() -> None:
     assert LoadCurve([])(1.0) == 0.0 and LoadCurve([(1, 4)])(9.0) == 4.0
 
 
-def test_must_points() -> None:
-    f = LoadCurve(P)
-    assert f.points_in(0, 4) == [1, 3, 4] and f.points_in(7, 9) == []
-    f = LoadCurve([(0, 0), (1, 1), (3, 0)], extend="repeat")
-    assert f.points_in(0, 7) == [1, 3, 4, 6, 7]
+@pytest.mark.parametrize("extend", ["REPEAT", "REPEAT OFFSET"])
+@pytest.mark.parametrize("ends", [(0, 1e-9), (1e6, np.nextafter(1e6, 2e6)), (0, 5e-324)])
+def test_periods_far_below_the_time_take_no_time(ends: tuple[float, float], extend: str) -> None:
+    """FEBio takes off one period after the other: here more than 1e8 of them, or for ever."""
+    f, start = LoadCurve([(ends[0], 0), (ends[1], 1)], "linear", extend), perf_counter()
+    for t in (0.2, 1.0, -3.7, 1e17):
+        value = f(t)
+        assert extend == "REPEAT OFFSET" or 0 <= value <= 1
+    assert perf_counter() - start < 0.1
+
+
+@pytest.mark.parametrize("t", [1000.3, 4321.75, -1000.3, -4321.75])
+def test_remainders_agree_with_periods_taken_off_one_by_one(t: float) -> None:
+    f, g = (LoadCurve([(0, 1), (0.75, 3), (1, 2)], "linear", e) for e in ("REPEAT", "REPEAT OFFSET"))
+    assert f(t) == pytest.approx(f(t - floor(t)), rel=1e-9)
+    assert g(t) == pytest.approx(f(t) + floor(t), rel=1e-9)
+
+
+def test_ends_of_periods_belong_to_the_curve_before_them() -> None:
+    f = LoadCurve([(0, 0), (1, 1)], "linear", "REPEAT")
+    assert f(3) == 1 and f(-2) == 0, "below a thousand periods"
+    assert f(30000) == 1 and f(-30000) == 0, "beyond"
+    assert f(29999.75) == pytest.approx(0.75) and f(-29999.75) == pytest.approx(0.25)
 
 
 def test_bad_input_is_named() -> None:
@@ -111,6 +131,11 @@ def test_bad_input_is_named() -> None:
         LoadCurve(P, "linear", "wiggly")
     with pytest.raises(ValueError, match="go back"):
         LoadCurve([(1, 0), (0, 0)])
+    with pytest.raises(ValueError, match="finite"):
+        LoadCurve([(0, 0), (1, math.nan)])
+    for ends in ((1.0, 1.0), (2.0, 1.0), (0.0, math.inf), (math.nan, 1.0)):
+        with pytest.raises(ValueError, match="after its start"):
+            Interval(lambda t: t, ends, "repeat", "repeat")
     assert LoadCurve(P, "2", "3").interpolate == INTERPOLATIONS[2] and len(EXTENSIONS) == 4
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, nan, sqrt
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -175,3 +176,52 @@ def test_strides_and_ranges() -> None:
     assert [k for k in range(1, 11) if wanted(step, "major", k, False)] == [2, 3, 4]
     step = Step(count=10, saving=Saving(range=(-2, -1)))
     assert [k for k in range(1, 11) if wanted(step, "major", k, False)] == [9, 10]
+
+
+def test_must_points_may_stand_in_any_order_and_twice() -> None:
+    sorted_once = walk(auto(dt=0.2, dtmax=0.2, must_points=(0.3, 0.7)))
+    assert walk(auto(dt=0.2, dtmax=0.2, must_points=(0.7, 0.3, 0.7, 0.3, 0.3))) == sorted_once
+    assert 0.3 in sorted_once and 0.7 in sorted_once
+
+
+def test_must_points_repeat_by_their_last_time() -> None:
+    """FEBio adds the last time, not the distance of the first from it."""
+    times = walk(auto(dt=1.0, dtmax=1.0, end=2.0, must_points=(0.1, 0.5), repeat=True))
+    np.testing.assert_allclose(times, [0.1, 0.5, 0.6, 1.0, 1.1, 1.5, 1.6, 2.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("points", [(-1.0, -0.5), (-1.0, 0.0), (0.0, 1e-300)])
+def test_must_points_that_never_come_to_an_end_are_refused(points: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match="never come to an end"):
+        auto(must_points=points, repeat=True)
+
+
+def test_must_points_that_repeat_often_before_the_start_take_no_time() -> None:
+    """2e10 periods lie before the start of this analysis step."""
+    step = Step(dt=1e-10, duration=5e-10, auto=AutoStep(dtmax=1.0, must_points=(0.0, 5e-11), repeat=True))
+    begun = perf_counter()
+    s = stepper(step, 1e-1)
+    s.first(1e-1)
+    assert perf_counter() - begun < 0.1 and 0 < s.dt <= 5e-11 * (1 + 1e-5) and s.at_must_point
+
+
+@pytest.mark.parametrize(("dt", "duration", "count"), [
+    (nan, 1.0, -1), (0.1, nan, -1), (0.1, inf, -1), (inf, None, 5), (-0.1, None, 5), (0.0, 1.0, -1), (0.1, 0.0, -1),
+    (0.1, None, -5), (0.1, None, 0),
+])  # fmt: skip
+def test_steps_that_lead_nowhere_are_refused(dt: float, duration: float | None, count: int) -> None:
+    for rule in (None, AutoStep()):
+        with pytest.raises(ValueError, match="no time steps"):
+            stepper(Step(dt=dt, duration=duration, count=count, auto=rule), 0.0)
+
+
+def test_an_error_controlled_run_meets_the_ends_of_the_files_steps() -> None:
+    """However many they are: their times are not kept."""
+    s = stepper(Step(dt=0.25, count=2_000_000_000), 3.0, accuracy=1e-3)
+    t, met = 3.0, []
+    s.first(t)
+    for _ in range(4):
+        t += s.dt
+        met.append(t)
+        s.accept(t, 5)
+    assert met == [3.25, 3.5, 3.75, 4.0]
