@@ -19,6 +19,7 @@ def accelerate(system: System, route: Route) -> None:
     s = system.state
     if s.time != 0.0:
         return
+    s.d_old, s.velocity_old = s.d.copy(), s.velocity.copy()  # no step is under way: forces are those of this instant
     f = np.zeros_like(s.d)
     if system.bodies is not None:
         s.dt = system.step.dt  # their rates are functions of it

@@ -63,6 +63,9 @@ class System:
         for load in self.loads:
             if hasattr(load, "alpha"):
                 load.alpha = self.alphaf
+        for b in self.body_loads:
+            # velocities follow displacements by Newmark's rule, in mixtures by backward Euler, else not at all
+            b.alpha, b.rate = self.alphaf, self.gamma / self.beta if self.dynamic else float(state.p is not None)
         for g in groups:
             g.alphaf = self.alphaf if g.shell else 1.0
         self._mass: Mass | None = None
@@ -124,12 +127,20 @@ class System:
         )
         if self.bodies is not None and self.dynamic:
             return False  # rotational inertia is not
+        if self.body_loads and any(self._swells(g) for g in self.groups):
+            return False
         acting = [*self.loads, *self.body_loads, *self.contacts]
         return own and not self.steady and all(getattr(q, "symmetric", True) for q in acting)
 
     @staticmethod
     def _fluid_symmetric(mixture: Any) -> bool:
         return not mixture.permeability.strain_dependent and mixture.supply is None
+
+    @staticmethod
+    def _swells(g: Group) -> bool:
+        """Does the mass of a block grow with its volume?"""
+        mix, pts = g.block.mixture, g.points()
+        return mix is not None and bool(np.any(mix.fluid_density(pts.t, pts.X, pts.e)))
 
     def _integrator(self) -> tuple[float, float, float, float]:
         """Newmark / generalised-alpha parameters (FEBio user manual, rhoi, alpha, beta, gamma)."""

@@ -21,11 +21,14 @@ class BodyLoad:
     """R += int N rho a over the reference volume; rho follows the fluid content in biphasic blocks.
 
     FEBio gives body forces the opposite sign: its "force" f means a = -f. ``blocks`` names the blocks
-    acted on, None all; ``elements`` block -> element indices, where not all of the block.
+    acted on, None all; ``elements`` block -> element indices, where not all of the block. The system of an analysis
+    step sets ``alpha`` and ``rate``.
     """
 
     blocks: tuple[str, ...] | None = field(default=None, kw_only=True)
     elements: dict[str, Ints] = field(default_factory=dict, kw_only=True)
+    alpha: float = field(default=1.0, init=False)  # weight of the step's end in positions and velocities
+    rate: float = field(default=0.0, init=False)  # dt dv/du of the time integration
     symmetric: ClassVar[bool] = True
     moves: ClassVar[bool] = False  # the acceleration depends on the motion
 
@@ -34,7 +37,7 @@ class BodyLoad:
         raise NotImplementedError
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:
-        """da/du (1|n, 3, 3) with dv/du = ``rate``."""
+        """da/dx + ``rate`` da/dv (1|n, 3, 3)."""
         raise NotImplementedError
 
     def cliques(self) -> list[Ints]:
@@ -78,24 +81,24 @@ class BodyLoad:
                 continue
             K = np.zeros((g.m, 3 * g.n, 3 * g.n))
             if self.moves:
-                kernels.stiffness(g.N, mass, self.gradient(state, g, self.rate(state)), K)
+                rate = self.rate / state.dt if state.dt > 0 else 0.0
+                kernels.stiffness(g.N, mass, self.alpha * self.gradient(state, g, rate), K)
             if heavy:
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
                 kernels.swelling(g.N, g.dN, g.iJ0, g.F, g.J, swelling, a, K)
             out.append((K, np.tile(g.conn, (1, 3)), np.repeat(np.arange(3), g.n)))
         return out
 
-    @staticmethod
-    def rate(state: State) -> float:
-        """dv/du of the time integration; backward Euler where the state does not say otherwise."""
-        return float(getattr(state, "rate", 0.0)) or (1.0 / state.dt if state.dt > 0 else 0.0)
+    def positions(self, state: State, group: Group) -> Floats:
+        """Positions (n, 3) of the points of a group."""
+        x = state.x if self.alpha == 1.0 else state.X + self._between(state.d[:, :3], state.d_old[:, :3])
+        return np.asarray(np.einsum("ga,eai->egi", group.N, x[group.conn]).reshape(-1, 3))
 
+    def velocities(self, state: State, group: Group) -> Floats:
+        """Velocities (n, 3) of the points of a group."""
+        v = self._between(state.velocity, state.velocity_old)
+        return np.asarray(np.einsum("ga,eai->egi", group.N, v[group.conn]).reshape(-1, 3))
 
-def positions(state: State, group: Group) -> Floats:
-    """Current positions (n, 3) of the points of a group."""
-    return np.asarray(np.einsum("ga,eai->egi", group.N, state.x[group.conn]).reshape(-1, 3))
-
-
-def velocities(state: State, group: Group) -> Floats:
-    """Velocities (n, 3) of the points of a group."""
-    return np.asarray(np.einsum("ga,eai->egi", group.N, state.velocity[group.conn]).reshape(-1, 3))
+    def _between(self, end: Floats, start: Floats) -> Floats:
+        """Nodal values at the instant of the step at which generalised-alpha takes its forces."""
+        return end if self.alpha == 1.0 else self.alpha * end + (1.0 - self.alpha) * start

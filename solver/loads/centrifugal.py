@@ -10,7 +10,7 @@ import numpy as np
 from ..values import as_value
 from . import register
 from .base import Floats, Number, Vector, vector
-from .body import BodyLoad, Group, positions
+from .body import BodyLoad, Group
 
 if TYPE_CHECKING:
     from ..state import State
@@ -38,7 +38,7 @@ class Centrifugal(BodyLoad):
         return np.asarray(w * w * (np.eye(3) - np.outer(n, n)))
 
     def acceleration(self, state: State, group: Group) -> Floats:
-        arm = positions(state, group) - self._at(self.rotation_center, state.time)
+        arm = self.positions(state, group) - self._at(self.rotation_center, state.time)
         return np.asarray(arm @ self._matrix(state.time))
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:

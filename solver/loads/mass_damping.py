@@ -10,7 +10,7 @@ import numpy as np
 from ..values import as_value
 from . import register
 from .base import Floats, Number
-from .body import BodyLoad, Group, velocities
+from .body import BodyLoad, Group
 
 if TYPE_CHECKING:
     from ..state import State
@@ -30,7 +30,7 @@ class MassDamping(BodyLoad):
         return float(self.C(t, np.zeros((1, 3)))[0])  # type: ignore[operator]
 
     def acceleration(self, state: State, group: Group) -> Floats:
-        return -self._number(state.time) * velocities(state, group)
+        return -self._number(state.time) * self.velocities(state, group)
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:
         return -self._number(state.time) * rate * np.eye(3)[None]

@@ -11,7 +11,7 @@ from ..rigid import rotation
 from ..values import as_value
 from . import register
 from .base import Floats, Number
-from .body import BodyLoad, Group, positions, velocities
+from .body import BodyLoad, Group
 
 if TYPE_CHECKING:
     from ..state import State
@@ -21,11 +21,14 @@ ORIGIN = np.zeros((1, 3))
 
 @dataclass(slots=True)
 class _Frame:
-    """At one time: orientation, angular velocity (of the fixed frame, or of the moving one)."""
+    """At one time: orientation, angular velocity and its rate (of the fixed frame, or of the moving one), and the
+    origin's acceleration."""
 
     time: float
     q: Floats
     w: Floats
+    dw: Floats
+    a: Floats
 
 
 @dataclass(eq=False)
@@ -50,23 +53,31 @@ class MovingFrame(BodyLoad):
 
     def begin_step(self, state: State) -> None:
         """Turn the frame over the step, from where it was as the step began (again, where the step is tried again)."""
-        start = state.time - state.dt
+        start, zero = state.time - state.dt, np.zeros(3)
         if self._now is None or start <= 0.0:
-            self._before = _Frame(start, np.array(rotation.IDENTITY), np.zeros(3))
+            self._before = _Frame(start, np.array(rotation.IDENTITY), zero, zero, self._pushed(max(start, 0.0)))
         elif abs(self._now.time - start) <= 1e-9 * abs(state.time):
             self._before = self._now
-        before = self._before
+        before, dt = self._before, state.dt
         assert before is not None
         w = self._numbers(state.time, self.wx, self.wy, self.wz)
-        spin = np.append(w, 0.0)
-        rate = rotation.product(before.q, spin) if self.moving else rotation.product(spin, before.q)
-        self._now = _Frame(state.time, rotation.unit(before.q + 0.5 * state.dt * rate), w)
-        turn = rotation.matrix(self._now.q).T
-        W, dW = w, (w - before.w) / state.dt
+        now = _Frame(state.time, self._turned(before.q, w, dt), w, (w - before.w) / dt, self._pushed(state.time))
+        self._now = now
+        # at the instant at which forces are taken
+        W, dW, A = (self._between(getattr(now, name), getattr(before, name)) for name in ("w", "dw", "a"))
+        turn = rotation.matrix(self._turned(before.q, W, self.alpha * dt)).T
         if not self.moving:
             W, dW = turn @ W, turn @ dW
-        self._W, self._dW = rotation.skew(W), rotation.skew(dW)
-        self._A = turn @ self._numbers(state.time, self.ax, self.ay, self.az)
+        self._W, self._dW, self._A = rotation.skew(W), rotation.skew(dW), turn @ A
+
+    def _turned(self, q: Floats, w: Floats, dt: float) -> Floats:
+        """The orientation q turned with the angular velocity w for dt."""
+        spin = np.append(w, 0.0)
+        return rotation.unit(q + 0.5 * dt * (rotation.product(q, spin) if self.moving else rotation.product(spin, q)))
+
+    def _pushed(self, t: float) -> Floats:
+        """The origin's acceleration."""
+        return self._numbers(t, self.ax, self.ay, self.az)
 
     @staticmethod
     def _numbers(t: float, *values: Number) -> Floats:
@@ -75,7 +86,7 @@ class MovingFrame(BodyLoad):
     def acceleration(self, state: State, group: Group) -> Floats:
         if self._now is None:  # forces at the start of a dynamic analysis: the frame is at rest
             return np.zeros((1, 3))
-        r, v = positions(state, group), velocities(state, group)
+        r, v = self.positions(state, group), self.velocities(state, group)
         return np.asarray(-(self._A + r @ (self._dW + self._W @ self._W).T + 2.0 * v @ self._W.T))
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:

@@ -29,7 +29,7 @@ def state(X: np.ndarray, columns: int = 4, **kw: Any) -> SimpleNamespace:
 
 
 def follow(s: SimpleNamespace) -> None:
-    s.x, s.velocity = s.X + s.d[:, :3], s.d[:, :3] / DT
+    s.x, s.velocity, s.velocity_old = s.X + s.d[:, :3], s.d[:, :3] / DT, None
 
 
 def facet(kind: str) -> tuple[np.ndarray, tuple[Patch, ...]]:
@@ -268,6 +268,7 @@ def test_body_tangent_by_finite_difference(name: str, kind: str, mixture: Any) -
     s = state(elements.get(kind).natural.copy(), 3)
     g, update = group(kind, s, mixture)
     load = loads.load(name.partition(",")[0])(**BODY[name])
+    load.rate = 1.0  # of backward Euler, as are the velocities
     if hasattr(load, "begin_step"):
         load.begin_step(s)
     exact = measured(load, s, update, ([g],))
