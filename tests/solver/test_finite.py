@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from math import inf, nan
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,9 +29,7 @@ from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.solids.solid_mixture import SolidMixture
 from febkit.solver.values import Expression, Map
-
-sys.path.insert(0, str(Path(__file__).parent))
-import scenes
+from helpers import scenes
 
 OPTIONS = Options(threads=1, linear="dense")
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from math import exp
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,9 +30,7 @@ from febkit.solver.state import State
 from febkit.solver.system import System
 from febkit.solver.threads import Team
 from febkit.solver.values import Constant, Scaled
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-import scenes
+from helpers import scenes
 
 RNG = np.random.default_rng(11)
 DT = 0.2
