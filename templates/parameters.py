@@ -127,8 +127,9 @@ def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str,
     sources: list[tuple[Mapping[str, Any], Where]] = list(given)
     size = next((v["size"] for v, _ in reversed(sources) if "size" in v), None)
     if size is not None:
-        if size not in sizes:
-            raise InputError(f"size must be one of {', '.join(sizes) or 'none'}, not {size}")
+        if not isinstance(size, str) or size not in sizes:
+            at = next(w for v, w in reversed(sources) if "size" in v)
+            raise InputError(f"size must be one of {', '.join(sizes) or 'none'}, not {size}", at)
         sources.insert(0, (sizes[size], Where()))
     values = {name: p.default for name, p in parameters.items()}
     for table, where in sources:

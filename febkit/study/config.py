@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Where
+
+from .entries import Entries
 
 CASES = ("A", "B", "C", "D")
 RECOVERIES = ("element", "polynomial", "patches")  # those of febkit.coupling, which is not loaded to plan
@@ -80,27 +83,17 @@ class Study:
     keep: str = "all"
 
 
-_TOP = {
-    "name",
-    "cases",
-    "methods",
-    "control",
-    "folder",
-    "model",
-    "tissue",
-    "cell",
-    "embedded",
-    "points",
-    "coupling",
-    "measure",
-    "run",
-}
+_TOP = (
+    "name", "cases", "methods", "control", "folder", "model", "tissue", "cell", "embedded", "points", "coupling",
+    "measure", "run",
+)  # fmt: skip
 
 
 def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     """Read a study.toml; ``overrides`` are "table.name=value" with values in TOML's spelling.
 
-    Raises InputError naming the file and what is wrong.
+    Raises InputError naming the file, the entry and what is wrong. ``folder`` of the file lies beside it or below;
+    an override may name any.
     """
     path = Path(path)
     where = Where(str(path))
@@ -108,84 +101,113 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         t = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as e:
         raise InputError(f"cannot open the study: {e.strerror}", where) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as e:
         raise InputError(f"not well-formed TOML: {e}", where) from None
+    own = _folder(Entries(t, where), path)
     for o in overrides:
         _override(t, o)
-    for key in t:
-        if key not in _TOP:
-            raise InputError(f"unknown entry {key!r}; a study has {', '.join(sorted(_TOP))}", where)
-    shared, embedded = _table(t, "model", where), _table(t, "embedded", where)
-    cell, seeds = _seeds(shared | _table(t, "cell", where), embedded, where)
-    control = bool(t.get("control", True))
+    top = Entries(t, where)
+    top.only(_TOP)
+    shared, embedded = _model(top, "model"), _model(top, "embedded")
+    cell, seeds = _seeds(shared | _model(top, "cell"), embedded, where)
+    run = top.table("run")
+    run.only(("threads", "memory", "workers", "keep"))
     return Study(
         file=path,
-        folder=path.parent / str(t.get("folder", f"{path.stem}.study")),
-        name=str(t.get("name", path.stem)),
-        cases=_cases(t.get("cases", list(CASES)), where),
-        methods=tuple(Method.parse(m, where) for m in t.get("methods", ["1", "2"])),
-        control=control,
-        points=_points(_table(t, "points", where), path.parent, where),
+        folder=path.parent / top.text("folder", "") if _told(overrides) else own,
+        name=top.text("name", path.stem),
+        cases=_cases(top),
+        methods=tuple(Method.parse(m, where) for m in top.listed("methods", ["1", "2"])),
+        control=top.flag("control", True),
+        points=_points(top.table("points"), path.parent),
         seeds=seeds,
-        tissue=_located(shared | _table(t, "tissue", where), path.parent, where),
-        cell=_located(cell, path.parent, where),
-        embedded=_located(_control(cell, embedded), path.parent, where),
-        coupling=_table(t, "coupling", where),
-        measure=_measure(_table(t, "measure", where), where),
-        resources=_resources(_table(t, "run", where), where),
-        keep=_keep(_table(t, "run", where), where),
+        tissue=_located(shared | _model(top, "tissue"), "tissue", path.parent, where),
+        cell=_located(cell, "cell", path.parent, where),
+        embedded=_located(_control(cell, embedded), "embedded", path.parent, where),
+        coupling=_coupling(top.table("coupling")),
+        measure=_measure(top.table("measure")),
+        resources=Resources(run.whole("threads", 1, 1), run.positive("memory", 2.0), run.whole("workers", 0, 0)),
+        keep=run.choice("keep", "all", ("all", "metrics")),
     )
 
 
 def _override(t: dict[str, Any], text: str) -> None:
-    name, _, value = text.partition("=")
+    name, equals, value = text.partition("=")
+    *tables, last = name.strip().split(".")
+    if not equals or not all((*tables, last)):
+        raise InputError(f"--set {text}: it takes TABLE.NAME=VALUE, as in --set cell.seed=2")
     try:
         parsed = tomllib.loads(f"v = {value}")["v"]
     except tomllib.TOMLDecodeError:
         parsed = value
-    *tables, last = name.strip().split(".")
     for k in tables:
         t = t.setdefault(k, {})
+        if not isinstance(t, dict):
+            raise InputError(f"--set {text}: {k} is not a table")
     t[last] = parsed
 
 
-def _table(t: Mapping[str, Any], name: str, where: Where) -> dict[str, Any]:
-    v = t.get(name, {})
-    if not isinstance(v, dict):
-        raise InputError(f"[{name}] must be a table", where)
-    return dict(v)
+def _told(overrides: Sequence[str]) -> bool:
+    return any(o.partition("=")[0].strip() == "folder" for o in overrides)
 
 
-def _cases(v: object, where: Where) -> tuple[str, ...]:
-    cases = tuple(str(c) for c in (v if isinstance(v, list) else [v]))
+def _folder(top: Entries, path: Path) -> Path:
+    """Where the file has its results: below the folder it lies in, as what is in there may be deleted."""
+    said = top.text("folder", f"{path.stem}.study")
+    folder, home = (path.parent / said).resolve(), path.parent.resolve()
+    if Path(said).is_absolute() or home not in folder.parents:
+        raise InputError(
+            f"folder = {said!r} is not below the study's own folder; to have results elsewhere say so in the command: "
+            f"--set folder=PATH",
+            top.where,
+        )
+    return path.parent / said
+
+
+def _model(top: Entries, name: str) -> dict[str, Any]:
+    """A model's parameters; the template checks them."""
+    table = dict(top.table(name).given)
+    for key in ("file", "results", "template"):
+        if key in table:
+            table[key] = top.table(name).text(key, "")
+    return table
+
+
+def _cases(top: Entries) -> tuple[str, ...]:
+    cases = top.listed("cases", list(CASES))
     for c in cases:
         if c not in CASES:
-            raise InputError(f"case {c!r} is none of {', '.join(CASES)}", where)
-    if not cases:
-        raise InputError("a study needs at least one case", where)
-    return cases
+            raise InputError(f"case {c!r} is none of {', '.join(CASES)}", top.where)
+    if len(set(cases)) < len(cases):
+        raise InputError("a case is given twice", top.where)
+    return tuple(cases)
 
 
-def _points(t: Mapping[str, Any], base: Path, where: Where) -> tuple[Point, ...]:
+def _points(t: Entries, base: Path) -> tuple[Point, ...]:
     """``at`` = [[x, y, z], ...] or ``file`` = a CSV of x,y,z lines; the centre where neither is given."""
-    if "file" in t:
-        path = base / str(t["file"])
+    t.only(("at", "file"))
+    if "file" in t.given:
+        path = base / t.text("file", "")
         try:
             rows = [r for r in csv.reader(path.read_text(encoding="utf-8").splitlines()) if r]
         except OSError as e:
-            raise InputError(f"cannot open the points {path}: {e.strerror}", where) from None
+            raise InputError(f"cannot open the points {path}: {e.strerror}", t.where) from None
+        except (UnicodeDecodeError, csv.Error) as e:
+            raise InputError(f"the points {path} are no table of numbers: {e}", t.where) from None
         if rows and not _numbers(rows[0]):
             rows = rows[1:]
+        if not rows:
+            raise InputError(f"the points {path} are none", t.where)
     else:
-        rows = t.get("at", [[0.0, 0.0, 0.0]])
+        rows = t.listed("at", [[0.0, 0.0, 0.0]])
     points = []
     for k, r in enumerate(rows):
         v = _numbers(r)
         if v is None or len(v) != 3:
-            raise InputError(f"point {k + 1} must be three numbers, not {r!r}", where)
+            raise InputError(f"point {k + 1} must be three numbers, not {r!r}", t.where)
         points.append((v[0], v[1], v[2]))
     if len(set(points)) < len(points):
-        raise InputError("a point is given twice", where)
+        raise InputError("a point is given twice", t.where)
     return tuple(points)
 
 
@@ -211,21 +233,37 @@ def _seeds(
 
 
 def _numbers(row: Any) -> list[float] | None:
-    try:
-        return [float(x) for x in row]
-    except (TypeError, ValueError):
+    """The numbers of a row, all finite; None where it has others."""
+    if not isinstance(row, list) or any(isinstance(x, bool) for x in row):
         return None
+    try:
+        numbers = [float(x) for x in row]
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return numbers if all(math.isfinite(x) for x in numbers) else None
 
 
-def _located(t: dict[str, Any], base: Path, where: Where) -> dict[str, Any]:
-    """Paths of a model's own files, relative to the study."""
+def _located(t: dict[str, Any], name: str, base: Path, where: Where) -> dict[str, Any]:
+    """A model's parameters, checked by its template, with paths of its own files relative to the study."""
     for k in ("file", "results", "template"):
         if k in t:
-            p = (base / str(t[k])).resolve()
+            p = (base / t[k]).resolve()
             if not p.exists():
                 raise InputError(f"{p} does not exist", where)
+            if p.is_dir() != (k == "template"):
+                raise InputError(f"{k} of [{name}] must be a {'folder' if k == 'template' else 'file'}: {p}", where)
             t[k] = str(p)
+    if "file" not in t:
+        _check(t, name, where)
     return t
+
+
+def _check(t: dict[str, Any], name: str, where: Where) -> None:
+    from febkit.templates.template import load
+
+    own = {k: v for k, v in t.items() if k not in ("results", "template")}
+    given = Where(f"{where}: [{name}]")
+    load(name, Path(t["template"]) if "template" in t else None).values([(own, given)])
 
 
 def _control(cell: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -233,29 +271,27 @@ def _control(cell: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     return {k: v for k, v in cell.items() if k not in ("file", "template", "drive")} | dict(own)
 
 
-def _resources(t: Mapping[str, Any], where: Where) -> Resources:
-    unknown = set(t) - {"threads", "memory", "workers", "keep"}
-    if unknown:
-        raise InputError(f"unknown entry {sorted(unknown)[0]!r} in [run]", where)
-    return Resources(int(t.get("threads", 1)), float(t.get("memory", 2.0)), int(t.get("workers", 0)))
+def _coupling(t: Entries) -> dict[str, Any]:
+    """What :func:`febkit.coupling.series` is told beside the points and the order."""
+    t.only(("recovery", "own_part"))
+    if "recovery" in t.given:
+        t.choice("recovery", "", RECOVERIES)
+    t.flag("own_part", True)
+    return dict(t.given)
 
 
-def _measure(t: dict[str, Any], where: Where) -> dict[str, Any]:
+def _measure(t: Entries) -> dict[str, Any]:
     """What :func:`febkit.metrics.cell_metrics` is told beside the result and the model."""
     from febkit.metrics.exchange import METHODS, SIDES
 
-    known = {"cells": None, "density": None, "sides": SIDES, "exchange": METHODS}
-    for name, value in t.items():
-        if name not in known:
-            raise InputError(f"unknown entry {name!r} in [measure]; it has {', '.join(known)}", where)
-        choices = known[name]
-        if choices is not None and value not in choices:
-            raise InputError(f"{name} of [measure] must be {' or '.join(choices)}, not {value!r}", where)
-    return t
-
-
-def _keep(t: Mapping[str, Any], where: Where) -> str:
-    keep = str(t.get("keep", "all"))
-    if keep not in ("all", "metrics"):
-        raise InputError(f'keep must be "all" or "metrics", not {keep!r}', where)
-    return keep
+    t.only(("cells", "density", "sides", "exchange"))
+    for name, choices in (("sides", SIDES), ("exchange", METHODS)):
+        if name in t.given:
+            t.choice(name, "", choices)
+    if "density" in t.given:
+        t.positive("density", 1.0)
+    cells = t.given.get("cells", "")
+    names = [*cells, *cells.values()] if isinstance(cells, Mapping) else t.listed("cells", [cells])
+    if not all(isinstance(c, str) for c in names):
+        raise t.refuse("cells", "names of parts or sets")
+    return dict(t.given)

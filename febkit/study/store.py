@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import socket
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,6 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError
+
+_MADE = re.compile(r"[0-9a-f]{32}-\w{6,10}")  # a step's address, and what tempfile adds
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +34,11 @@ class Store:
         return self.root / "store" / key[:2] / key
 
     def has(self, key: str) -> bool:
-        return (self.path(key) / "step.json").is_file()
+        return bool(self.record(key))
 
     def record(self, key: str) -> dict[str, Any]:
-        """What is known about a finished step: kind, label, seconds, ..."""
-        data: dict[str, Any] = json.loads((self.path(key) / "step.json").read_text())
-        return data
+        """What is known about a finished step: kind, label, seconds, ...; nothing where it is not there, or damaged."""
+        return _read(self.path(key) / "step.json")
 
     @contextmanager
     def making(self, key: str, about: dict[str, Any]) -> Iterator[tuple[Path, dict[str, Any]]]:
@@ -60,8 +63,9 @@ class Store:
         try:
             os.rename(folder, target)
         except OSError:
-            if not self.has(key):  # not a race that another worker won
-                raise
+            if not self.has(key):  # not a race that another worker won: what is there has lost its record
+                shutil.rmtree(target, ignore_errors=True)
+                os.rename(folder, target)
         (self.root / "failed" / f"{key}.json").unlink(missing_ok=True)
 
     def fail(self, key: str, about: dict[str, Any], message: str) -> None:
@@ -71,8 +75,8 @@ class Store:
         (folder / f"{key}.json").write_text(json.dumps({**about, "message": message}, indent=1))
 
     def failure(self, key: str) -> str | None:
-        path = self.root / "failed" / f"{key}.json"
-        return str(json.loads(path.read_text())["message"]) if path.is_file() else None
+        found = _read(self.root / "failed" / f"{key}.json")
+        return str(found.get("message", "it is not known why")) if found else None
 
     def drop(self, key: str) -> None:
         """Forget a result; it is made again if anything asks for it."""
@@ -83,30 +87,59 @@ class Store:
     def alone(self) -> Iterator[None]:
         """One run at a time; what an interrupted one left behind is removed first.
 
-        Raises InputError where another run is at work here.
+        Raises InputError where another run is at work here. The lock goes with the process that has it, whatever
+        is written in its file.
         """
         self.root.mkdir(parents=True, exist_ok=True)
-        lock, mine = self.root / "running", f"{socket.gethostname()} {os.getpid()}"
-        if lock.is_file() and _alive(*lock.read_text().split()):
-            raise InputError(
-                f"another run is at work in {self.root} (host and process {lock.read_text()}); "
-                f"wait for it, or remove {lock} if it is gone"
-            )
-        lock.write_text(mine)
-        shutil.rmtree(self.root / "making", ignore_errors=True)
-        try:
-            yield
-        finally:
-            lock.unlink(missing_ok=True)
+        path = self.root / "running"
+        with open(path, "a+", encoding="utf-8", errors="replace") as lock:
+            if not locked(lock.fileno()):
+                lock.seek(0)
+                who = " ".join(lock.read(200).split())
+                raise InputError(
+                    f"another run is at work in {self.root}{f' (host and process {who})' if who else ''}; wait for it"
+                )
+            lock.truncate(0)
+            lock.write(f"{socket.gethostname()} {os.getpid()}")
+            lock.flush()
+            self._clear()
+            try:
+                yield
+            finally:
+                lock.truncate(0)
+
+    def _clear(self) -> None:
+        """Remove the folders in which steps were being made, and nothing else that may lie there."""
+        base = self.root / "making"
+        if base.is_symlink() or not base.is_dir():
+            return
+        for folder in base.iterdir():
+            if _MADE.fullmatch(folder.name) and not folder.is_symlink():
+                shutil.rmtree(folder, ignore_errors=True)
 
 
-def _alive(host: str, pid: str) -> bool:
-    """True where the process may still run: on another host that cannot be told."""
-    if host != socket.gethostname():
-        return True
+def _read(path: Path) -> dict[str, Any]:
+    """A record, or nothing where it is not there or not whole."""
     try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}
+
+
+def locked(handle: int) -> bool:
+    """Take the lock of an open file; False where another process has it. True where files cannot be locked."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            os.lseek(handle, 1 << 40, os.SEEK_SET)  # a byte that nobody reads: locked ones cannot be read
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
         return False
     except OSError:
         return True

@@ -16,6 +16,7 @@ from febkit.study import work
 from febkit.study.config import Method, Resources
 from febkit.study.run import Outcome, do, fitting_workers
 from febkit.study.store import Store
+from helpers.command import febkit
 
 TINY = """
 cases = ["A"]
@@ -75,6 +76,132 @@ def test_bad_studies_are_refused_clearly(tmp_path, entry, word):
     with pytest.raises(InputError, match=word) as e:
         study.read(written(tmp_path, entry))
     assert "tiny.toml" in str(e.value)
+
+
+@pytest.mark.parametrize(("entry", "said"), [
+    ("name = 3", "name must be a text, not 3"),
+    ("folder = 3", "folder must be a text"),
+    ('control = "no"', "control must be true or false, not 'no'"),
+    ("cases = 7", "case 7"),
+    ("cases = []", "cases must"),
+    ("cases = [['A']]", "case \\['A'\\]"),
+    ('cases = ["A", "A"]', "twice"),
+    ("methods = {a = 1}", "methods must be a list"),
+    ("methods = [[1]]", "method"),
+    ("methods = []", "methods must"),
+    ("points = 3", r"\[points\] must be a table"),
+    ("[points]\nat = 5", "point 1"),
+    ("[points]\nat = []", "at of .points. must"),
+    ("[points]\nwhere = 5", "'where'"),
+    ("[points]\nat = [[0, 0, nan]]", "three numbers"),
+    ("[points]\nat = [[0, 0, true]]", "three numbers"),
+    ("[points]\nat = ['abc']", "three numbers"),
+    ("[points]\nfile = 3", "file of .points. must be a text"),
+    ("[points]\nfile = 'tiny.toml'", "point"),
+    ("[run]\nthreads = 1.5", "threads of .run. must be a whole number"),
+    ('[run]\nthreads = "2"', "threads"),
+    ("[run]\nthreads = true", "threads"),
+    ("[run]\nthreads = -2", "from 1"),
+    ("[run]\nmemory = 0", "memory of .run. must be a number above 0"),
+    ("[run]\nmemory = nan", "memory"),
+    ('[run]\nmemory = "2 GB"', "memory"),
+    ("[run]\nworkers = -1", "workers"),
+    ("[run]\nkeep = ['all']", "keep"),
+    ("[measure]\nsides = ['cell']", "sides of .measure. must be"),
+    ("[measure]\ndensity = 'x'", "density of .measure."),
+    ("[measure]\ncells = 3", "cells of .measure."),
+    ("[measure]\ncells = {a = 3}", "cells of .measure."),
+    ("[coupling]\nrecovery = 'spline'", "recovery of .coupling. must be element or"),
+    ("[coupling]\norder = 2", "'order'"),
+    ("[coupling]\nown_part = 1", "own_part"),
+    ("[tissue]\nn = 'x'", r"tiny.toml: \[tissue\]: n must be of kind integer"),
+    ("[tissue]\nn = 2026-01-01", r"\[tissue\]: n must"),
+    ("[cell]\nname = 'x'", r"\[cell\]: 'name' is no parameter"),
+    ("[cell]\nsize = [1]", r"\[cell\]: size must be one of"),
+    ("[cell]\nfile = 3", "file of .cell. must be a text"),
+    ("[cell]\nseed = 1.5", r"\[cell\]: seed must"),
+    ("[cell]\nfile = '.'", "must be a file"),
+    ("[tissue]\ntemplate = 'tiny.toml'", "must be a folder"),
+    ("tissue = 3", r"\[tissue\] must be a table"),
+])
+def test_entries_of_a_wrong_kind_are_named(tmp_path, entry, said):
+    """No entry, whatever it is, ends in a traceback: the sentence names the file, the table and the entry."""
+    with pytest.raises(InputError, match=said) as e:
+        study.make_plan(study.read(written(tmp_path, entry)))
+    assert "tiny.toml" in str(e.value)
+
+
+@pytest.mark.parametrize("said", ["nothing", "=3", "cell.=3", "cell..seed=3", "name.first=3", "points.at.x=3"])
+def test_overrides_that_say_nothing(tmp_path, said):
+    with pytest.raises(InputError, match="--set"):
+        study.read(written(tmp_path, 'name = "x"\n' + TINY), [said])
+
+
+@pytest.mark.parametrize("folder", ["/tmp/elsewhere", "..", "../x", ".", "", "a/../..", "link"])
+def test_results_stay_below_the_study(tmp_path, folder):
+    """What is in the folder of the results may be deleted: a file from elsewhere does not choose it."""
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / "link").symlink_to(tmp_path)
+    path = written(tmp_path / "home", f'folder = "{folder}"\n' + TINY)
+    with pytest.raises(InputError, match="folder"):
+        study.read(path)
+    assert study.read(written(tmp_path, 'folder = "a/b"\n' + TINY)).folder == tmp_path / "a" / "b"
+
+
+def test_the_command_may_name_any_folder(tmp_path):
+    path = written(tmp_path)
+    assert study.read(path, [f"folder={tmp_path.parent}"]).folder == tmp_path.parent
+    done = febkit("study", "status", path, "--set", f"folder={tmp_path / 'x'}", folder=tmp_path)
+    assert done.returncode == 0 and "solve" in done.stdout
+    path.write_text('folder = "/"\n' + TINY)
+    done = febkit("study", "run", path, "--scheduler", "serial", folder=tmp_path)
+    assert done.returncode == 2 and "--set folder=PATH" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_only_what_a_run_left_is_deleted(tmp_path, pretended):
+    """``making`` may be a folder of the user's own, or a link to one."""
+    p = plan_of(tmp_path)
+    making, key = p.study.folder / "making", next(iter(p.steps()))
+    mine, left = making / "thesis", making / f"{key}-abcd1234"
+    for folder in (mine, left):
+        folder.mkdir(parents=True)
+        (folder / "x").write_text("x")
+    (making / f"{key}-zzzz9999").symlink_to(mine)
+    assert study.carry_out(p, "serial").complete
+    assert (mine / "x").is_file() and not left.exists()
+    for link in making.glob("*-zzzz9999"):
+        link.unlink()
+    left.mkdir()
+    making.rename(tmp_path / "elsewhere")
+    making.symlink_to(tmp_path / "elsewhere")
+    assert study.carry_out(p, "serial").complete
+    assert (tmp_path / "elsewhere" / left.name).is_dir()
+
+
+@pytest.mark.parametrize("left", ["", "one", "a b c d", "\x00\xff\n", f"{socket.gethostname()} 999999999", "other 1",
+                                  f"{socket.gethostname()} {os.getpid()}"])  # fmt: skip
+def test_what_a_lock_file_says_does_not_matter(tmp_path, pretended, left):
+    """A run that was killed leaves its lock file, empty or with anything in it; the lock itself went with it."""
+    p = plan_of(tmp_path)
+    p.study.folder.mkdir()
+    (p.study.folder / "running").write_bytes(left.encode("latin-1"))
+    assert study.carry_out(p, "serial").complete
+    assert study.carry_out(p, "serial").reused == len(p.steps())
+
+
+def test_damaged_records_are_made_again(tmp_path, pretended):
+    p = plan_of(tmp_path)
+    assert study.carry_out(p, "serial").complete
+    store = Store(p.study.folder)
+    last = [k for k, s in p.steps().items() if s.kind == "measure"]
+    for key, text in zip(last, ("", "{", "[]", "\x00")):
+        (store.path(key) / "step.json").write_text(text)
+    rows = {r["kind"]: r for r in study.status(p)}
+    assert rows["measure"]["to do"] == 4
+    assert study.carry_out(p, "serial").complete and all(store.has(k) for k in last)
+    (store.root / "failed").mkdir(exist_ok=True)
+    (store.root / "failed" / f"{last[0]}.json").write_text("{")
+    assert study.failures(p) == []
 
 
 def test_points_from_a_file(tmp_path):
@@ -217,7 +344,6 @@ def test_one_run_at_a_time(tmp_path, pretended):
     store = Store(p.study.folder)
     with store.alone(), pytest.raises(InputError, match="another run"):
         study.carry_out(p, "serial")
-    (store.root / "running").write_text(f"{socket.gethostname()} 999999999")  # one that was killed
     assert study.carry_out(p, "serial").complete
 
 

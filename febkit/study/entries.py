@@ -1,0 +1,70 @@
+"""Entries of a study.toml, each read as what it must be, or refused by its name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from febkit.model import InputError, Where
+
+
+class Entries:
+    """A table of a study: ``name`` is "" for the file itself. What is not asked for is refused by :meth:`only`."""
+
+    def __init__(self, table: Mapping[str, Any], where: Where, name: str = "") -> None:
+        self.given, self.where, self.name = table, where, name
+
+    def only(self, known: Iterable[str]) -> None:
+        known = sorted(known)
+        for key in self.given:
+            if key not in known:
+                place = f"[{self.name}]" if self.name else "a study"
+                raise InputError(f"unknown entry {key!r} in {place}; it may have {', '.join(known)}", self.where)
+
+    def refuse(self, key: str, must: str) -> InputError:
+        of = f" of [{self.name}]" if self.name else ""
+        return InputError(f"{key}{of} must be {must}, not {self.given[key]!r}", self.where)
+
+    def text(self, key: str, default: str) -> str:
+        v = self.given.get(key, default)
+        if not isinstance(v, str) or not v.strip():
+            raise self.refuse(key, "a text")
+        return v
+
+    def choice(self, key: str, default: str, choices: Iterable[str]) -> str:
+        v, choices = self.given.get(key, default), tuple(choices)
+        if v not in choices:
+            raise self.refuse(key, " or ".join(choices))
+        return str(v)
+
+    def flag(self, key: str, default: bool) -> bool:
+        v = self.given.get(key, default)
+        if not isinstance(v, bool):
+            raise self.refuse(key, "true or false")
+        return v
+
+    def whole(self, key: str, default: int, least: int) -> int:
+        v = self.given.get(key, default)
+        if type(v) is not int or v < least:
+            raise self.refuse(key, f"a whole number from {least} on")
+        return v
+
+    def positive(self, key: str, default: float) -> float:
+        v = self.given.get(key, default)
+        if isinstance(v, bool) or not isinstance(v, int | float) or not 0 < v < math.inf:
+            raise self.refuse(key, "a number above 0")
+        return float(v)
+
+    def listed(self, key: str, default: list[Any]) -> list[Any]:
+        """A list, or one thing that stands for a list of it."""
+        v = self.given.get(key, default)
+        if isinstance(v, Mapping) or v == []:
+            raise self.refuse(key, "a list with something in it")
+        return v if isinstance(v, list) else [v]
+
+    def table(self, key: str) -> Entries:
+        v = self.given.get(key, {})
+        if not isinstance(v, Mapping):
+            raise InputError(f"[{key}] must be a table, not {v!r}", self.where)
+        return Entries(dict(v), self.where, key)
