@@ -224,14 +224,14 @@ class Output:
         while True:
             fd = os.open(self.temp, os.O_RDWR | os.O_CREAT | _FLAGS, 0o666)
             try:
-                if not _lock(fd):
+                if not lock(fd):
                     raise _busy(self.path, fd, where)
                 if _still(fd, self.temp):  # else its owner has moved or removed it meanwhile
                     os.ftruncate(fd, 0)
                     _refuse_busy(self.target, self.path, where)
                     return fd
             except BaseException:
-                if _still(fd, self.temp) and _lock(fd):
+                if _still(fd, self.temp) and lock(fd):
                     self.temp.unlink(missing_ok=True)
                 os.close(fd)
                 raise
@@ -268,7 +268,7 @@ class Output:
             if _WINDOWS:
                 self._file = FileIO(self.target, "r+")
                 self._file.seek(self.size)
-                _lock(self._file.fileno())
+                lock(self._file.fileno())
         self.placed = True
 
     def close(self) -> None:
@@ -315,7 +315,7 @@ def _still(fd: int, path: Path) -> bool:
 # ---- locks -----------------------------------------------------------------------------------------
 
 
-def _lock(fd: int, shared: bool = False) -> bool:
+def lock(fd: int, shared: bool = False) -> bool:
     """Lock an open file until it is closed; False where another holds it. True where there are no locks."""
     try:
         import fcntl
@@ -349,7 +349,7 @@ def in_use(path: PathLike) -> bool:
     except OSError:
         return False
     try:
-        return not _lock(fd, shared=True)
+        return not lock(fd, shared=True)
     finally:
         os.close(fd)
 
@@ -362,7 +362,7 @@ def _refuse_busy(target: Path, path: PathLike, where: Where | None = None) -> No
     except OSError:
         return
     try:
-        if not _lock(fd, shared=True):
+        if not lock(fd, shared=True):
             raise _busy(path, fd, where)
     finally:
         os.close(fd)

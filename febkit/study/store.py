@@ -7,7 +7,6 @@ import os
 import re
 import shutil
 import socket
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from febkit.files import lock
 from febkit.model import InputError
 
 _MADE = re.compile(r"[0-9a-f]{32}-\w{6,10}")  # a step's address, and what tempfile adds
@@ -92,21 +92,21 @@ class Store:
         """
         self.root.mkdir(parents=True, exist_ok=True)
         path = self.root / "running"
-        with open(path, "a+", encoding="utf-8", errors="replace") as lock:
-            if not locked(lock.fileno()):
-                lock.seek(0)
-                who = " ".join(lock.read(200).split())
+        with open(path, "a+", encoding="utf-8", errors="replace") as running:
+            if not lock(running.fileno()):
+                running.seek(0)
+                who = " ".join(running.read(200).split())
                 raise InputError(
                     f"another run is at work in {self.root}{f' (host and process {who})' if who else ''}; wait for it"
                 )
-            lock.truncate(0)
-            lock.write(f"{socket.gethostname()} {os.getpid()}")
-            lock.flush()
+            running.truncate(0)
+            running.write(f"{socket.gethostname()} {os.getpid()}")
+            running.flush()
             self._clear()
             try:
                 yield
             finally:
-                lock.truncate(0)
+                running.truncate(0)
 
     def _clear(self) -> None:
         """Remove the folders in which steps were being made, and nothing else that may lie there."""
@@ -125,22 +125,3 @@ def _read(path: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return data if isinstance(data, dict) else {}
-
-
-def locked(handle: int) -> bool:
-    """Take the lock of an open file; False where another process has it. True where files cannot be locked."""
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            os.lseek(handle, 1 << 40, os.SEEK_SET)  # a byte that nobody reads: locked ones cannot be read
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        return False
-    except OSError:
-        return True
-    return True
