@@ -58,32 +58,38 @@ class FrameArray(BackendArray):
     def _get(self, key: tuple[Any, ...]) -> np.ndarray:
         when, inner = key[0], key[1:]
         whole = all(isinstance(k, slice) and k == slice(None) for k in inner)
+        one = self._whole if whole else self._picker(inner)
         if isinstance(when, (int, np.integer)):
-            some = self._rows(int(when), inner)
-            if some is not None:
-                return some
-            frame = self.frames.frame(int(when))
-            return np.array(frame if whole else frame[_outer(inner, frame.shape)], self.dtype)
+            return one(int(when))
         times = np.arange(self.shape[0])[when]
         if whole:
             out = np.empty((len(times), *self.shape[1:]), self.dtype)
             for k, t in enumerate(times):
                 self.frames.fill(int(t), out[k, ...])
             return out
-        pick = _outer(inner, self.shape[1:])
         if not len(times):
+            pick = _outer(inner, self.shape[1:])
             return np.empty((0, *np.empty(self.shape[1:], np.bool_)[pick].shape), self.dtype)
-        return np.stack([self.frames.frame(int(t))[pick] for t in times]).astype(self.dtype, copy=False)
+        return np.stack([one(int(t)) for t in times])
+
+    def _whole(self, t: int) -> np.ndarray:
+        return np.require(self.frames.frame(t), self.dtype, "W")
+
+    def _picker(self, inner: tuple[Any, ...]) -> Callable[[int], np.ndarray]:
+        """What picks items of a state; of few items of a large state without the rest of it."""
+        pick, n = getattr(self.frames, "rows", None), self.shape[1]
+        if pick is not None and all(isinstance(k, slice) and k == slice(None) for k in inner[1:]):
+            if isinstance(inner[0], (int, np.integer)):
+                one = np.array([int(inner[0]) % n])
+                return lambda t: np.require(pick(t, one)[0], self.dtype, "W")
+            rows = np.arange(n)[inner[0]]
+            if not isinstance(inner[0], slice) or _FEW * len(rows) < n:
+                return lambda t: np.require(pick(t, rows), self.dtype, "W")
+        key = _outer(inner, self.shape[1:])
+        return lambda t: np.array(self.frames.frame(t)[key], self.dtype)
 
 
-    def _rows(self, t: int, inner: tuple[Any, ...]) -> np.ndarray | None:
-        """Items picked by an array, of one state, without the rest of it; None for other keys."""
-        pick, rows = getattr(self.frames, "rows", None), inner[0] if inner else None
-        if pick is None or not isinstance(rows, np.ndarray):
-            return None
-        if any(not isinstance(k, slice) or k != slice(None) for k in inner[1:]):
-            return None
-        return np.asarray(pick(t, np.arange(self.shape[1])[rows]), self.dtype)
+_FEW = 4  # times fewer items than there are, that a slice of them is picked by rows
 
 
 def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:

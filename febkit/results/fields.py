@@ -11,6 +11,7 @@ import numpy as np
 
 from febkit.model import InputError
 
+from .xplt.floats import Floats
 from .xplt.reader import PlotFile
 from .xplt.records import MeshOutline, PlotMesh, PlotSurface, PlotVariable
 
@@ -141,39 +142,41 @@ class Field:
             self.file.container.where,
         )
 
+    def _found(self, t: int) -> list[tuple[int, Floats]]:
+        return list(self.file.floats(self.index, int(self.states[t])))
+
     def frame(self, t: int) -> np.ndarray:
-        """The array of one state; a view of the file where its layout allows."""
-        found = list(self.file.regions(self.index, int(self.states[t])))
-        if len(found) == 1:
-            place, rows, local = self.place(found[0][0])
-            if isinstance(place, slice) and not local and rows == (self.shape[0] if self.shape else 1):
-                values = self._sized(found[0][1], found[0][0], rows)
-                if values.size == np.prod(self.shape, dtype=int):
-                    return values.reshape(self.shape)
+        """The array of one state."""
         out = np.empty(self.shape, np.float32)
         self.fill(t, out)
         return out
 
     def rows(self, t: int, rows: np.ndarray) -> np.ndarray:
-        """Items ``rows`` of the array of one state; of element and facet data nothing else is read."""
-        if self._merged or self.variable.section in ("node", "global"):
-            return np.asarray(self.frame(t)[rows])
+        """Items ``rows`` of the array of one state; little else is read."""
+        found = self._found(t)
         out, inner = np.full((len(rows), *self.shape[1:]), np.nan, np.float32), self.shape[1:]
-        for region, values in self.file.regions(self.index, int(self.states[t])):
+        at = self.places.gather(tuple(r for r, _ in found))[rows] if found and self._merged else rows
+        end = 0
+        for region, values in found:
             place, n, local = self.place(region)
-            assert isinstance(place, slice)
-            mine = np.flatnonzero((rows >= place.start) & (rows < place.stop))
-            if local:
-                block = self._mult(values, region, n, local)
-                block = block.reshape(n, block.shape[1], *inner[1:])
-                out[mine, : block.shape[1]] = block[rows[mine] - place.start]
-            else:
-                out[mine] = self._sized(values, region, n).reshape(n, *inner)[rows[mine] - place.start]
+            start = end if self._merged or not isinstance(place, slice) else place.start or 0
+            end = start + n
+            have = self._width(values, region, n, local) if local else 1
+            if not local:
+                self._sized(values, region, n)
+            mine = np.flatnonzero((at >= start) & (at < end))
+            if len(mine):
+                some = values.rows(at[mine] - start, have * self.variable.values)
+                if local:
+                    some = some.reshape(len(mine), have, self.variable.values)[:, :local]
+                    out[mine, : some.shape[1]] = some.reshape(len(mine), some.shape[1], *inner[1:])
+                else:
+                    out[mine] = some.reshape(len(mine), *inner)
         return out
 
     def fill(self, t: int, out: np.ndarray) -> None:
         """Write the array of one state into ``out``."""
-        found = list(self.file.regions(self.index, int(self.states[t])))
+        found = self._found(t)
         if found and self._merged:
             self._merge(found, out)
             return
@@ -183,22 +186,29 @@ class Field:
         for region, values in found:
             place, rows, local = self.place(region)
             if self.variable.section == "global":
-                out[...] = self._sized(values, region, 1).reshape(self.shape)
+                out[...] = self._sized(values, region, 1).read().reshape(self.shape)
             elif local:
-                block = self._mult(values, region, rows, local)
+                have = self._width(values, region, rows, local)
+                block = values.read().reshape(rows, have, self.variable.values)[:, :local]
                 out[place, : block.shape[1]] = block.reshape(rows, block.shape[1], *inner[1:])
             else:
-                out[place] = self._sized(values, region, rows).reshape(rows, *inner)
+                self._sized(values, region, rows).into(out[place])
 
     @property
     def _merged(self) -> bool:
         """Whether nodal values of several domains go into one array."""
         return self.variable.section == "domain" and self.variable.format == "node" and not self.apart
 
-    def _merge(self, found: list[tuple[int, np.ndarray]], out: np.ndarray) -> None:
+    def _merge(self, found: list[tuple[int, Floats]], out: np.ndarray) -> None:
+        nc = self.variable.values
         parts = [self._sized(values, r, self.place(r)[1]) for r, values in found]
-        nothing = np.full(self.variable.values, np.nan, np.float32)
-        rows = np.concatenate([*parts, nothing], dtype=np.float32).reshape(-1, *self.shape[1:])
+        flat = np.empty(sum(p.size for p in parts) + nc, np.float32)
+        end = 0
+        for p in parts:
+            p.into(flat[end : end + p.size])
+            end += p.size
+        flat[end:] = np.nan  # for nodes that none of these domains has
+        rows = flat.reshape(-1, *self.shape[1:])
         np.take(rows, self.places.gather(tuple(r for r, _ in found)), axis=0, out=out, mode="clip")
 
     def _covers(self, regions: list[int]) -> bool:
@@ -210,24 +220,24 @@ class Field:
             return False
         return len(set(regions)) == self.places.count(v.section)
 
-    def _sized(self, values: np.ndarray, region: int, rows: int) -> np.ndarray:
+    def _sized(self, values: Floats, region: int, rows: int) -> Floats:
         want = rows * self.variable.values
         if values.size != want:
             raise self._bad(region, f"{values.size} values where {want} belong")
         return values
 
-    def _mult(self, values: np.ndarray, region: int, rows: int, local: int) -> np.ndarray:
-        """(item, local, component); surfaces may be padded beyond their widest facet."""
+    def _width(self, values: Floats, region: int, rows: int, local: int) -> int:
+        """Local nodes that the file has values for; surfaces may be padded beyond their widest facet."""
         nc = self.variable.values
         if rows == 0 or values.size % (rows * nc):
             raise self._bad(region, f"{values.size} values for {rows} items")
         have = values.size // (rows * nc)
         if have < local or (have > local and self.variable.section == "domain"):
             raise self._bad(region, f"{have} values an item where {local} belong")
-        return values.reshape(rows, have, nc)[:, :local]
+        return have
 
     def regions_with_data(self, t: int = 0) -> list[int]:
-        return [r for r, _ in self.file.regions(self.index, int(self.states[t]))]
+        return [r for r, _ in self._found(t)]
 
 
 def tail(v: PlotVariable) -> tuple[int, ...]:

@@ -242,9 +242,9 @@ def test_one_variable_at_one_time_touches_nothing_else(tmp_path: Path, make_mode
     path = tmp_path / "a.xplt"
     path.write_bytes(make_modern())
     seen: list[tuple[int, int]] = []
-    regions = PlotFile.regions
+    floats = PlotFile.floats
     ds = results.open(path)
-    monkeypatch.setattr(PlotFile, "regions", lambda f, v, t: seen.append((v, t)) or regions(f, v, t))
+    monkeypatch.setattr(PlotFile, "floats", lambda f, v, t: seen.append((v, t)) or floats(f, v, t))
     ds["displacement"].isel(time=1).load()
     assert set(seen) == {(0, 1)}
 

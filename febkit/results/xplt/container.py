@@ -1,12 +1,10 @@
-"""A plotfile as an index of blocks over mapped memory: nothing is decoded until it is touched."""
+"""A plotfile as an index of blocks: nothing else of it is read until it is touched."""
 
 from __future__ import annotations
 
-import contextlib
-import mmap
 import os
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,9 +14,11 @@ from febkit.model import InputError, Where
 
 from . import tags
 from .inflate import PIECE, Inflated
+from .source import Source
 
 _HEAD = 128  # bytes of a packed block that are inflated when it is found
 KEPT = 1 << 28  # bytes of an inflated block that are held at most; a larger one is read piece by piece
+WHOLE = 1 << 19  # bytes of a plain block up to which it is read whole
 _WORTH_A_LOOK = 1 << 26  # bytes that a packed block must claim before the mesh is asked what a state can hold
 _DENSEST = 200  # bytes that a byte of a packed mesh can make: ids and coordinates are no run of zeros
 _IN_STATE = (tags.STATE_HEADER, tags.STATE_DATA, tags.MESH_STATE, tags.OBJECTS_STATE)
@@ -42,7 +42,7 @@ class Block:
 class Bytes:
     """Readable bytes of one block's payload."""
 
-    data: mmap.mmap | bytes | Inflated
+    data: Source | bytes | Inflated
     start: int
     stop: int
 
@@ -51,15 +51,15 @@ class Bytes:
         """Whether reading inflates: the payload is too large to be held."""
         return isinstance(self.data, Inflated)
 
-    def flat(self) -> tuple[mmap.mmap | bytes, int]:
+    def flat(self) -> tuple[bytes, int]:
         """A buffer that holds these bytes, and where in it they start."""
-        if isinstance(self.data, Inflated):
-            return self.data[self.start : self.stop], 0
-        return self.data, self.start
+        if isinstance(self.data, bytes):
+            return self.data, self.start
+        return self.data[self.start : self.stop], 0
 
 
 class Container:
-    """The mapped file and its top-level blocks; complete blocks only, so a growing file reads well."""
+    """The open file and its top-level blocks; complete blocks only, so a growing file reads well."""
 
     def __init__(self, path: str | os.PathLike[str], room: Callable[[Container], int] | None = None) -> None:
         """``room`` gives the bytes that a state of the mesh read so far can fill."""
@@ -67,28 +67,24 @@ class Container:
         self.where = Where(str(path))
         self.room = room
         self.blocks: list[Block] = []
-        self._inflated: tuple[Block, Bytes] | None = None
-        self._map()
-        self.order = self._magic()
-        self.head = struct.Struct(self.order + "II")
-        self._word = struct.Struct(self.order + "I")
-        self._end = 4
-        self.refresh()
-
-    def _map(self) -> None:
+        self._held: tuple[Block, Bytes] | None = None
+        self.data = Source(path, self.where)
+        self.size = len(self.data)
         try:
-            with open(self.path, "rb") as f:
-                size = os.fstat(f.fileno()).st_size
-                if size < 4:
-                    raise InputError("not a plotfile: it has fewer than four bytes", self.where)
-                self.data = mmap.mmap(f.fileno(), size, access=mmap.ACCESS_READ)
-        except OSError as e:
-            raise InputError(f"cannot read the file: {e.strerror or e}", self.where) from None
-        self.size = size
+            self.order = self._magic()
+            self.head = struct.Struct(self.order + "II")
+            self._word = struct.Struct(self.order + "I")
+            self._end = 4
+            self.refresh()
+        except BaseException:
+            self.data.close()
+            raise
 
     def _magic(self) -> str:
+        if self.size < 4:
+            raise InputError("not a plotfile: it has fewer than four bytes", self.where)
         for order in "<>":
-            if struct.unpack_from(order + "I", self.data, 0)[0] == tags.MAGIC:
+            if struct.unpack(order + "I", self.data[0:4])[0] == tags.MAGIC:
                 return order
         raise InputError("not an FEBio plotfile: the first four bytes are not its mark", self.where)
 
@@ -110,11 +106,7 @@ class Container:
 
     def refresh(self) -> bool:
         """Index the blocks that were completed since; True where there are new ones."""
-        size = os.stat(self.path).st_size
-        if size < self._end:
-            raise InputError("the file became shorter while it was open: open it again", self.where)
-        if size != self.size:
-            self._map()
+        self.size = self.data.look()
         count = len(self.blocks)
         at = self._end
         while at + 8 <= self.size:
@@ -126,14 +118,15 @@ class Container:
             if block.tag == tags.STATE and not block.packed:
                 at = self._repeats(block)
         self._end = at
+        self.data.remember(at)
         return len(self.blocks) > count
 
     def _plain(self, at: int) -> Block | None:
-        tag, n = self.head.unpack_from(self.data, at)
+        tag, n = self.head.unpack(self.data[at : at + 8])
         if tag not in _TOP or at + 8 + n > self.size:
             return None
         if tag == tags.STATE and n >= 4:
-            first = self._word.unpack_from(self.data, at + 8)[0]
+            first = self._word.unpack(self.data[at + 8 : at + 12])[0]
             if first not in _IN_STATE and self._zlib_at(at + 8):
                 head = Inflated(self.data, at + 8, at + 8 + n, self.where).head(_HEAD)
                 return Block(tag, at, at + 8 + n, -1, "body", head)
@@ -147,8 +140,8 @@ class Container:
             n = min(many, (self.size - at) // length)
             if n < 1:
                 return at
-            heads = np.ndarray((n, 3), self.order + "u4", self.data, at, (length, 4))
-            first = self._word.unpack_from(self.data, block.start + 8)[0]
+            heads = self.data.rows(at, length, n, 12).view(self.order + "u4")
+            first = self._word.unpack(self.data[block.start + 8 : block.start + 12])[0]
             same = (heads == (tags.STATE, length - 8, first)).all(axis=1)
             k = n if same.all() else int(np.argmin(same))
             starts = range(at, at + k * length, length)
@@ -160,7 +153,7 @@ class Container:
         return at
 
     def _zlib_at(self, at: int) -> bool:
-        a, b = self.data[at], self.data[at + 1]
+        a, b = self.data[at : at + 2]
         return a & 0x0F == 8 and a >> 4 <= 7 and (a * 256 + b) % 31 == 0
 
     def _whole(self, at: int) -> Block | None:
@@ -188,15 +181,15 @@ class Container:
 
     def _check_cut(self, at: int) -> None:
         """Raise unless the file ends within the block at ``at``, or in zeros that were never written over."""
-        tag, n = self.head.unpack_from(self.data, at)
+        tag, n = self.head.unpack(self.data[at : at + 8])
         if tag in _TOP:
             last = self.blocks[-1] if self.blocks else None
             after = at + last.stop - last.start if last and last.tag == tag == tags.STATE else self.size
-            if after + 8 <= self.size and self.head.unpack_from(self.data, after)[0] == tags.STATE:
+            if after + 8 <= self.size and self.head.unpack(self.data[after : after + 8])[0] == tags.STATE:
                 say = f"a state of {n} bytes runs past the end of the file, but another follows at byte {after}"
                 raise InputError(f"damaged at byte {at}: {say}", self.where)
             return
-        if not any(self.data[i : i + PIECE].strip(b"\0") for i in range(at, self.size, PIECE)):
+        if not any(self.data[i : min(i + PIECE, self.size)].strip(b"\0") for i in range(at, self.size, PIECE)):
             return
         raise InputError(f"damaged at byte {at}: {tag:#010x} is no block of a plotfile", self.where)
 
@@ -210,13 +203,17 @@ class Container:
             raise InputError(f"damaged at byte {at}: {say}", self.where)
 
     def payload(self, block: Block) -> Bytes:
-        """The bytes of a block; the last packed block that was read is kept."""
-        if not block.packed:
+        """The bytes of a block; the last one that was inflated or read whole is kept."""
+        self.data.look()
+        if not block.packed and block.stop - block.start > WHOLE:
             return Bytes(self.data, block.start + 8, block.stop)
-        kept = self._inflated  # one look: another thread may replace it
+        kept = self._held  # one look: another thread may replace it
         if kept is None or kept[0] is not block:
-            self._inflated = kept = (block, self._inflate(block))
+            self._held = kept = (block, self._inflate(block) if block.packed else self._read(block))
         return kept[1]
+
+    def _read(self, block: Block) -> Bytes:
+        return Bytes(self.data[block.start + 8 : block.stop], 0, block.stop - block.start - 8)
 
     def _inflate(self, block: Block) -> Bytes:
         head = 8 if block.packed == "block" else 0
@@ -254,13 +251,18 @@ class Container:
             raise InputError(f"damaged {what}: an integer has {b.stop - b.start} bytes", self.where)
         return int(self._word.unpack(b.data[b.start : b.start + 4])[0])
 
+    def words_at(self, b: Bytes, at: Sequence[tuple[int, int]], pick: np.ndarray) -> np.ndarray:
+        """Words of ``b``: those of these pieces (first and last byte from its start), of which ``pick`` are kept."""
+        raw = b"".join([b.data[b.start + first : b.start + last] for first, last in at])
+        return np.asarray(np.frombuffer(raw, self.order + "u4")[pick])
+
     def words(self, b: Bytes) -> np.ndarray:
-        """All integers of a block, without a copy."""
+        """All integers of a block."""
         data, start = b.flat()
         return np.frombuffer(data, self.order + "i4", (b.stop - b.start) // 4, start)
 
     def floats(self, b: Bytes) -> np.ndarray:
-        """All floats of a block, without a copy."""
+        """All floats of a block."""
         data, start = b.flat()
         return np.frombuffer(data, self.order + "f4", (b.stop - b.start) // 4, start)
 
@@ -279,9 +281,8 @@ class Container:
         return _decode(raw.split(b"\0")[0])
 
     def close(self) -> None:
-        self._inflated = None
-        with contextlib.suppress(BufferError):  # arrays still look at it; it goes when they go
-            self.data.close()
+        self._held = None
+        self.data.close()
 
 
 def _decode(raw: bytes) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import mmap
 import threading
 import zlib
 
 from febkit.model import InputError, Where
+
+from .source import Source
 
 PIECE = 1 << 20  # bytes inflated at a time
 _FEW = 1 << 12  # bytes of a stream that are enough for the first hundred that it unfolds to
@@ -19,7 +20,7 @@ class Inflated:
     stream is damaged, or ends before a slice does.
     """
 
-    def __init__(self, data: mmap.mmap | bytes, start: int, stop: int, where: Where) -> None:
+    def __init__(self, data: Source | bytes, start: int, stop: int, where: Where) -> None:
         self._data, self._start, self._stop, self._where = data, start, stop, where
         self._lock = threading.Lock()
         self._rewind()

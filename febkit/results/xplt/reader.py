@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,11 @@ from febkit.model import InputError
 
 from . import header, meshes, tags
 from .container import Block, Bytes, Container
+from .floats import Floats
 from .records import MeshOutline, PlotMesh
+from .source import Marks
+
+_NEAR = 1 << 12  # bytes between words up to which they are read at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +28,8 @@ class Layout:
     status: int  # -1 where the file has none
     flags: tuple[int, int] | None  # offset and bytes of the element states
     objects: tuple[int, int] | None
-    at: np.ndarray  # offsets, in words, of all tags, sizes and variable numbers
+    pieces: tuple[tuple[int, int], ...]  # bytes that hold all tags, sizes and variable numbers, few others between
+    at: np.ndarray  # of those, in words
     words: np.ndarray  # what stands there
 
 
@@ -55,7 +60,7 @@ class PlotFile:
         self._outlines: dict[int, MeshOutline] = {}
         self._meshes: dict[int, PlotMesh] = {}
         self._layouts: dict[int, Layout] = {}  # by size, the last one
-        self._streamed: dict[int, Layout] = {}  # by state, of those too large to be held
+        self._known: dict[int, Layout] = {}  # by state
         self._seen = 0
         self._take()
 
@@ -107,18 +112,18 @@ class PlotFile:
 
     def layout(self, state: int) -> Layout:
         """Where a state's data lie; a state of the same size is checked against the last such layout."""
-        if state in self._streamed:
-            return self._streamed[state]
-        b = self.payload(state)
+        known = self._known.get(state)
+        if known is None:
+            self._known[state] = known = self._layout(self.payload(state))
+        return known
+
+    def _layout(self, b: Bytes) -> Layout:
         if b.streamed:
-            self._streamed[state] = made = _Walk(self, b).layout()
-            return made
+            return _Walk(self, b).layout()
         size = b.stop - b.start
         known = self._layouts.get(size)
-        if known is not None:
-            words = self.container.words(b).view(self.container.order + "u4")
-            if np.array_equal(words[known.at], known.words):
-                return known
+        if known is not None and np.array_equal(self.container.words_at(b, known.pieces, known.at), known.words):
+            return known
         self._layouts[size] = made = _Walk(self, b).layout()
         return made
 
@@ -167,11 +172,11 @@ class PlotFile:
         """One word of each header of a run of states, where their headers agree in layout."""
         block, order, data = self.states[i].block, self.container.order, self.container.data
         start, step = block.start + 8 + at, block.stop - block.start
-        heads = np.ndarray((n, 3), order + "u4", data, start - 8, (step, 4))
+        heads = data.rows(start - 8, step, n, 12).view(order + "u4")
         if (heads[:, :2] != heads[0, :2]).any():
             one = self.time if kind == "f4" else self.status
             return np.array([one(k) for k in range(i, i + n)], kind)
-        return np.ndarray((n,), order + kind, data, start, (step,))
+        return heads[:, 2].view(order + kind)
 
     def time(self, state: int) -> float:
         known = self._head_word(state, tags.STATE_HDR_TIME)
@@ -218,11 +223,16 @@ class PlotFile:
         b = self._small(state, found[1], "values of objects")
         return bytes(b.data[b.start + found[0] : b.start + sum(found)])
 
-    def regions(self, variable: int, state: int) -> Iterator[tuple[int, np.ndarray]]:
-        """(region, flat float32 values) of one variable in one state, without a copy."""
+    def floats(self, variable: int, state: int) -> Iterator[tuple[int, Floats]]:
+        """(region, float32 values to be read) of one variable in one state."""
         for region, at, n in self.layout(state).regions[variable]:
             b = self._small(state, n, repr(self.variables[variable].name))
-            yield region, self.container.floats(Bytes(b.data, b.start + at, b.start + at + n))
+            yield region, Floats(self.container, Bytes(b.data, b.start + at, b.start + at + n))
+
+    def regions(self, variable: int, state: int) -> Iterator[tuple[int, np.ndarray]]:
+        """(region, flat float32 values) of one variable in one state."""
+        for region, values in self.floats(variable, state):
+            yield region, values.read()
 
     def _small(self, state: int, n: int, what: str) -> Bytes:
         """The payload of a state of which ``n`` bytes are wanted; refused where they unfold from almost nothing."""
@@ -235,14 +245,25 @@ class PlotFile:
     def close(self) -> None:
         self.container.close()
 
-    def __reduce__(self) -> tuple[type[PlotFile], tuple[str]]:
-        return PlotFile, (str(self.container.path),)
+    def __reduce__(self) -> tuple[Callable[[str, Marks], PlotFile], tuple[str, Marks]]:
+        return _again, (str(self.container.path), self.container.data.marks)
 
     def __enter__(self) -> PlotFile:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _again(path: str, marks: Marks) -> PlotFile:
+    """The plotfile that another process has open; refused where another one has taken its place."""
+    f = PlotFile(path)
+    try:
+        f.container.data.check(marks)
+    except InputError:
+        f.close()
+        raise
+    return f
 
 
 def state_room(c: Container) -> int:
@@ -297,8 +318,9 @@ class _Walk:
         at, kept = np.array(self.at), np.array(self.words, "u4")
         if (at % 4).any():  # words that never match make a state of odd layout be walked each time
             at, kept = np.empty(0, int), np.zeros(1, "u4")
+        pieces, within = _pieces(at)
         regions = tuple(map(tuple, self.regions))
-        return Layout(regions, self.time, self.status, self.flags, self.objects, at // 4, kept)
+        return Layout(regions, self.time, self.status, self.flags, self.objects, pieces, within, kept)
 
     def _blocks(self, b: Bytes) -> Iterator[tuple[int, Bytes]]:
         for tag, inner in self.c.children(b, "state"):
@@ -348,3 +370,20 @@ class _Walk:
                         raise InputError("damaged state: values of odd size", self.c.where)
                     if n:
                         found.append((region, at, n))
+
+
+def _pieces(at: np.ndarray) -> tuple[tuple[tuple[int, int], ...], np.ndarray]:
+    """Pieces of a state that hold the words at these bytes, and the words' places in the pieces one after the other."""
+    order = np.argsort(at, kind="stable")
+    pieces: list[tuple[int, int]] = []
+    within = np.empty(len(at), int)
+    before = 0
+    for k in order:
+        a = int(at[k])
+        if pieces and a - pieces[-1][1] <= _NEAR:
+            pieces[-1] = (pieces[-1][0], max(pieces[-1][1], a + 4))
+        else:
+            before += (pieces[-1][1] - pieces[-1][0]) // 4 if pieces else 0
+            pieces.append((a, a + 4))
+        within[k] = before + (a - pieces[-1][0]) // 4
+    return tuple(pieces), within
