@@ -15,21 +15,31 @@ TYPE_CHECKING = False  # importing typing would be most of the cost of importing
 if TYPE_CHECKING:
     from typing import Any
 
-    from febkit.feb import read, write
+    from febkit import materials
+    from febkit.feb import write
+    from febkit.modelling import Model
+    from febkit.modelling.curves import Curve
+    from febkit.modelling.model import read
     from febkit.results import open as open_results
     from febkit.solving import solve
 
 # public name -> (module, name there); imported when first used, so that `import febkit` costs nothing
 _LAZY = {
-    "read": ("febkit.feb", "read"),
+    "read": ("febkit.modelling.model", "read"),
     "write": ("febkit.feb", "write"),
     "solve": ("febkit.solving", "solve"),
     "open_results": ("febkit.results", "open"),
+    "Model": ("febkit.modelling", "Model"),
+    "Curve": ("febkit.modelling.curves", "Curve"),
 }
 
-__all__ = ["__version__", "open_results", "read", "solve", "write"]
+__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "write"]
 
 _watch_meshio()
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 def __getattr__(name: str) -> Any:
@@ -38,4 +48,8 @@ def __getattr__(name: str) -> Any:
 
         module, attribute = _LAZY[name]
         return getattr(import_module(module), attribute)
+    if name == "materials":
+        from importlib import import_module
+
+        return import_module("febkit.materials")
     raise AttributeError(f"module 'febkit' has no attribute {name!r}")

@@ -29,6 +29,7 @@ from febkit.model import (
     Step,
     Surface,
     Where,
+    as_record,
 )
 from febkit.results.cells import FACETS, FEBIO, INVERSE, KEPT, LINES, MESHIO, ORDER, SOLIDS
 
@@ -47,7 +48,7 @@ def from_model(model: Model) -> meshio.Mesh:
 
     Surfaces become blocks of facets with a cell set of their name.
     """
-    m = model.mesh
+    m = as_record(model).mesh
     blocks: list[tuple[str, np.ndarray]] = []
     ids: list[np.ndarray] = []
     parts: list[np.ndarray] = []

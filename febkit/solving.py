@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from febkit.model import InputError, Model, Where
+from febkit.model import InputError, Model, Where, as_record
 
 if TYPE_CHECKING:
     from febkit.output.log import LogListener
@@ -50,6 +50,7 @@ def solve(
     from febkit.lower import lower
     from febkit.solver.run import Options, Run
 
+    model = as_record(model)
     require(model)
     data = _destinations(model, plotfile, logfile, data_anywhere)
     problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)

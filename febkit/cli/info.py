@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from febkit.model import Model, Step
     from febkit.results.summary import PlotSummary, VariableSummary
 
 
@@ -36,6 +35,7 @@ def _lines(file: Path, ranges: bool, times: bool) -> Iterator[str]:
     kind = file.suffix.lower()
     if kind == ".feb":
         from febkit.feb import read
+        from febkit.modelling.describe import model_lines
 
         yield from model_lines(read(file))
     elif kind == ".xplt":
@@ -52,65 +52,19 @@ def _lines(file: Path, ranges: bool, times: bool) -> Iterator[str]:
         raise click.UsageError(f"{file.name} is none of .feb, .xplt, .plt, .nc, .log")
 
 
-def model_lines(model: Model) -> Iterator[str]:
-    """A model in words."""
-    m = model.mesh
-    units = f", units {model.units}" if model.units else ""
-    yield f"febio_spec {model.version}, module {model.module}{units}"
-    yield f"nodes     {len(m.node_ids)}"
-    yield f"elements  {sum(len(b.ids) for b in m.blocks)}"
-    material = {d.block: d.material for d in model.domains}
-    for b in m.blocks:
-        yield f"  part {b.name}: {len(b.ids)} {b.type}, material {material.get(b.name) or '-'}"
-    for c in model.materials:
-        inner = [f"{k.tag} {k.type}" for k in c if k.type]
-        yield f"  material {c.name or c.id}: {c.type}" + (f" ({', '.join(inner)})" if inner else "")
-    sets = (
-        ("node sets", {k: len(v.nodes) for k, v in m.node_sets.items()}),
-        ("surfaces", {k: sum(map(len, v.facets.values())) for k, v in m.surfaces.items()}),
-        ("element sets", {k: len(v.elements) for k, v in m.element_sets.items()}),
-        ("discrete sets", {k: len(v.pairs) for k, v in m.discrete_sets.items()}),
-    )
-    for title, sizes in sets:
-        yield from _sizes(title, sizes)
-    yield from _step("all steps", model.common)
-    for i, step in enumerate(model.steps, start=1):
-        yield from _step(f"step {i}", step)
-    if model.controllers:
-        yield f"load controllers  {len(model.controllers)}"
-    if model.output.plot:
-        yield f"plots     {', '.join(v.type for v in model.output.plot)}"
-
-
-def _step(name: str, step: Step) -> Iterator[str]:
-    said = []
-    if step.control is not None:
-        c = step.control
-        said.append(f"{c.str('analysis', '?').lower()}, {c.str('time_steps')} steps of {c.str('step_size')}")
-    for key in ("boundary", "loads", "contact", "constraints", "rigid", "initial"):
-        held = getattr(step, key)
-        if held:
-            said.append(f"{len(held)} {key} ({', '.join(dict.fromkeys(c.type or c.tag for c in held))})")
-    if said:
-        yield f"{name}: {'; '.join(said)}"
-
-
-def _sizes(title: str, sizes: dict[str, int]) -> Iterator[str]:
-    if sizes:
-        yield f"{title:<9} {', '.join(f'{k} ({n})' for k, n in sizes.items())}"
-
-
 def plot_lines(s: PlotSummary, every: bool, all_times: bool) -> Iterator[str]:
     """A plotfile in words."""
+    from febkit.modelling.describe import sizes_line
+
     said = [f"plotfile version {s.version:#x}", s.software, f"units {s.units}" if s.units else ""]
     yield ", ".join(x for x in (*said, "compressed" if s.compressed else "") if x)
     yield f"nodes     {s.nodes}"
     yield f"elements  {sum(n for _, _, n, _ in s.parts)}"
     for name, type_, n, material in s.parts:
         yield f"  part {name}: {n} {type_}, material {material}"
-    yield from _sizes("node sets", s.node_sets)
-    yield from _sizes("surfaces", s.surfaces)
-    yield from _sizes("element sets", s.element_sets)
+    yield from sizes_line("node sets", s.node_sets)
+    yield from sizes_line("surfaces", s.surfaces)
+    yield from sizes_line("element sets", s.element_sets)
     if s.meshes > 1:
         yield f"meshes    {s.meshes} (sizes are of the last)"
     yield f"states    {len(s.times)}" + (f", t = {s.times[0]:g} to {s.times[-1]:g}" if len(s.times) else "")

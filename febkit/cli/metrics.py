@@ -108,7 +108,8 @@ def command(
 
 def opened(results: Path, model: Path | None = None) -> tuple[xr.Dataset, Model | None]:
     """A result, and its model: the one given, or the .feb of the same name beside it."""
-    from febkit import open_results, read
+    from febkit import open_results
+    from febkit.feb import read
 
     beside = results.with_suffix(".feb")
     path = model or (beside if beside.is_file() else None)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import Component, InputError, LoadController, Model, NodeSet, Step
+from febkit.model import Component, InputError, LoadController, Model, NodeSet, Step, as_record
 from febkit.model.sets import node_indices
 
 from .curves import curve_sections, insert, section_document
@@ -91,6 +91,7 @@ def drive(model: Model, given: Handoff, nodes: Ints, *, node_set: str | None = N
     lie on these nodes are replaced; one that reaches beyond them is an InputError. Time steppers get must points at
     the hand-off's times.
     """
+    model = as_record(model)
     mixture = model.module in ("biphasic", "biphasic-FSI", "multiphasic", "solute")
     if given.wet and not mixture:
         given = given.without_pressure()
@@ -131,6 +132,7 @@ def with_solutes(given: Handoff, model: Model) -> Handoff:
     Driving data without concentrations drive motion and pressure alone. Raises InputError where they hold some solutes
     but not all that the cell model has.
     """
+    model = as_record(model)
     if model.module not in ("multiphasic", "solute") or not given.solutes:
         return given.of_solutes(())
     ids = solute_ids(model)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, InputError, LogEntry, Mesh, MeshData, Model
+from febkit.model import Component, InputError, LogEntry, Mesh, MeshData, Model, as_record
 from febkit.model.sets import element_ids, node_indices
 
 from .canonical import canonical
@@ -32,7 +32,7 @@ class Difference:
 
 def diff(a: Model, b: Model, rtol: float = RTOL) -> list[Difference]:
     """Differences in meaning between two models; numbers agree within ``rtol``."""
-    return _Diff(canonical(a), canonical(b), rtol).run()
+    return _Diff(canonical(as_record(a)), canonical(as_record(b)), rtol).run()
 
 
 def _short(v: Any) -> str:

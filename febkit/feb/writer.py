@@ -5,7 +5,7 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
-from febkit.model import Model
+from febkit.model import Model, as_record
 
 from . import convert
 from .document import Document
@@ -20,6 +20,7 @@ def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]
     An untouched model written in its own version gives back the bytes it was read from; an edited one of
     version 4.0 differs from them only where it was edited.
     """
+    model = as_record(model)
     version = version or (model.version if model.document is not None else "4.0")
     doc = model.document
     notes: list[str] = []

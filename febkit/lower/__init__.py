@@ -5,7 +5,7 @@ What the solver lacks is refused here, by name and place, before anything is sol
 
 from __future__ import annotations
 
-from febkit.model import InputError, Model, UnsupportedError, Where
+from febkit.model import InputError, Model, UnsupportedError, Where, as_record
 from febkit.model import Step as ModelStep
 from febkit.model.source import together
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
@@ -19,7 +19,7 @@ def lower(model: Model) -> Problem:
 
     Raises UnsupportedError, naming every feature febkit does not solve, and InputError for bad input.
     """
-    problem, refused = _lower(model)
+    problem, refused = _lower(as_record(model))
     if refused:
         raise together(refused)
     assert problem is not None
@@ -29,7 +29,7 @@ def lower(model: Model) -> Problem:
 def unsupported(model: Model) -> list[UnsupportedError]:
     """The features of a model that febkit does not solve, each with its place; empty where it can."""
     try:
-        return _lower(model)[1]
+        return _lower(as_record(model))[1]
     except UnsupportedError as e:
         return [e]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import InputError, UnsupportedError
+from febkit.model import InputError, UnsupportedError, as_record
 
 from . import materials, tensors
 from .flux import darcy
@@ -80,6 +80,7 @@ class Sources:
     _frames: dict[str, tuple[int, Floats]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
+        self.model = None if self.model is None else as_record(self.model)
         self.parts = materials.of_parts(self.model) if self.model is not None else {}
         self.laws = SolverLaws(self.model, self.ds) if self.model is not None else None
 

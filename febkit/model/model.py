@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -127,3 +128,9 @@ class Model:
     file: str = ""
     document: object | None = None  # the lossless XML document the model was read from
     unknown: tuple[Component, ...] = ()  # sections this version of febkit has no record for
+
+
+def as_record(model: Any) -> Model:
+    """The frozen record of a :class:`febkit.Model`, or the record itself."""
+    record: Model = getattr(model, "record", model)
+    return record

@@ -220,7 +220,8 @@ def _middle(ds: xr.Dataset) -> float:
 
 def _opened(plan: Plan, measure: Any) -> Any:
     """(result, model) behind a measure step, None where its files were dropped."""
-    from febkit import open_results, read
+    from febkit import open_results
+    from febkit.feb import read
 
     store = Store(plan.study.folder)
     results, model = (measure.inputs.get(n) for n in ("results", "model"))

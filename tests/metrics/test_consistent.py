@@ -147,5 +147,5 @@ def test_what_it_cannot_do_is_said(many_steps):
     assert "mass_exchange_rate" in cell_metrics(ds, pulled, exchange="consistent")  # on the solid alone
     heavy = Path(model.file).with_name("heavy.feb")
     heavy.write_text(Path(model.file).read_text().replace("<fluid_density>0<", "<fluid_density>1<"))
-    pulled = replace(febkit.read(heavy), common=pulled.common)
+    pulled = replace(febkit.read(heavy).record, common=pulled.common)
     assert "without body forces" in cell_metrics(ds, pulled, exchange="consistent").attrs["missing"]

@@ -13,7 +13,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "unconfined_compression.feb"
 
 
 def _model(*entries: LogEntry, steps: int = 2) -> object:
-    m = febkit.read(EXAMPLE)
+    m = febkit.read(EXAMPLE).record
     return replace(m, output=replace(m.output, log=tuple(entries)))
 
 

@@ -1,0 +1,7 @@
+"""The model as an object: built, edited, looked at. :class:`febkit.Model` is the door; records stay frozen below it."""
+
+from __future__ import annotations
+
+from .model import Model
+
+__all__ = ["Model"]

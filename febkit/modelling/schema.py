@@ -1,0 +1,90 @@
+"""What FEBio knows about a component: its parameters, their defaults, ranges and choices.
+
+The names are those of :mod:`febkit.feb.features`; defaults and ranges come from the solver's own records, so that a new
+material appears by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from keyword import iskeyword
+from typing import Any
+
+from febkit.feb.check_features import KINDS, VALUES
+from febkit.feb.features import anywhere, table
+from febkit.model import Component
+
+__all__ = ["VALUES", "attribute", "choices", "default", "is_numeric", "out_of_range", "parameters", "record", "tag"]
+
+
+def parameters(c: Component) -> set[str]:
+    """Tags that FEBio knows below a component; empty where it is not known."""
+    if c.tag == "Control":
+        return set(frozenset().union(*table()["analysis"].values())) | {"time_stepper", "solver"}
+    kind = "solver" if c.tag == "solver" else KINDS.get(c.tag)
+    types = anywhere() if kind is None else table()[kind]
+    return set(types.get(c.type or "", frozenset()))
+
+
+def attribute(tag: str) -> str:
+    """The Python name of a tag."""
+    name = tag.replace(" ", "_").replace("-", "_")
+    return name + "_" if iskeyword(name) else name
+
+
+def tag(name: str, known: Iterable[str]) -> str | None:
+    """The tag of a Python name, None where there is none."""
+    return next((t for t in known if name in (t, attribute(t))), None)
+
+
+def record(c: Component) -> Any:
+    """The solver's class of a material or property, None where it has none. Imports that one file."""
+    from febkit.solver import permeabilities, supplies
+    from febkit.solver.solids import registry
+
+    kind = c.type or c.tag
+    if permeabilities.known(kind):
+        return permeabilities.load(kind)
+    if supplies.known(kind):
+        return supplies.load(kind)
+    for name in registry.tables():
+        if registry.known(name, kind):
+            return registry.load(name, kind)
+    return None
+
+
+def _field(tag_: str) -> str:
+    from febkit.solver.solids import registry
+
+    return registry.field_name(tag_)
+
+
+def default(c: Component, tag_: str) -> Any:
+    """FEBio's default of a parameter that the model does not give; None where it has none."""
+    cls = record(c)
+    if cls is None:
+        return None
+    return cls.defaults().get(_field(tag_))
+
+
+def is_numeric(c: Component, tag_: str) -> bool:
+    """May the parameter be a formula?"""
+    cls = record(c)
+    return cls is not None and _field(tag_) in cls.parameters
+
+
+def out_of_range(c: Component, tag_: str, value: float) -> str:
+    """Why FEBio refuses a value; empty where it takes it."""
+    if value != value or value in (float("inf"), float("-inf")):
+        return "is not a finite number"
+    cls = record(c)
+    ranges = getattr(cls, "ranges", None) if cls is not None else None
+    limit = ranges.get(_field(tag_)) if ranges else None
+    return "" if limit is None else limit.refuses(value)
+
+
+def choices(c: Component, tag_: str) -> tuple[str, ...]:
+    """The words that a parameter may be; empty where any will do."""
+    if c.tag == "Control" and tag_ == "analysis":
+        return ("STATIC", "STEADY-STATE", "TRANSIENT", "DYNAMIC")
+    return ()

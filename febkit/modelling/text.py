@@ -1,0 +1,53 @@
+"""Python values as the text of a parameter, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+Value = float | int | bool | str | tuple[float, ...]
+
+
+def number(v: float) -> str:
+    """The fewest digits that read back the same, whole numbers without a point."""
+    v = float(v)
+    return str(int(v)) if abs(v) < 1e15 and v == int(v) else repr(v)
+
+
+def is_number(v: Any) -> bool:
+    return isinstance(v, (int, float, np.integer, np.floating)) and not isinstance(v, (bool, np.bool_))
+
+
+def is_numbers(v: Any) -> bool:
+    """A list, tuple or array of numbers."""
+    return isinstance(v, (list, tuple, np.ndarray)) and len(v) > 0 and all(is_number(x) for x in np.ravel(v))
+
+
+def written(v: Any) -> str:
+    """A number, truth, text or list of numbers as .feb files have it. Raises TypeError for anything else."""
+    if isinstance(v, (bool, np.bool_)):
+        return "1" if v else "0"
+    if is_number(v):
+        return number(v)
+    if isinstance(v, str):
+        return v
+    if is_numbers(v):
+        return ",".join(number(x) for x in np.ravel(v))
+    raise TypeError(f"a parameter is a number, a list of numbers or text, not {type(v).__name__}")
+
+
+def parsed(text: str) -> Value:
+    """What a parameter's text says: a number, a tuple of numbers, or the text itself."""
+    words = text.replace(",", " ").split()
+    try:
+        values = tuple(float(w) for w in words)
+    except ValueError:
+        return text.strip()
+    return text.strip() if not values else values[0] if len(values) == 1 else values
+
+
+def listed(names: Iterable[Any]) -> str:
+    """Names in a sentence."""
+    return ", ".join(str(n) for n in names)
