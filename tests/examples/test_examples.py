@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+import febkit
 from helpers.files import load
 
 FOLDER = Path(__file__).parents[2] / "examples"
@@ -33,8 +34,8 @@ def test_unconfined_compression(tmp_path: Path) -> None:
 
 def test_edit_and_solve(tmp_path: Path) -> None:
     """At equilibrium the force is proportional to Young's modulus."""
-    text = example("unconfined_compression").text(2, 2, 20000.0)
-    assert example("edit_and_solve").main(text, tmp_path) == pytest.approx(2.0, rel=2e-3)
+    (tmp_path / "m.feb").write_text(example("unconfined_compression").text(2, 2, 20000.0))
+    assert example("edit_and_solve").main(febkit.read(tmp_path / "m.feb")) == pytest.approx(2.0, rel=2e-3)
 
 
 PINNED_SHARE = 0.37553
