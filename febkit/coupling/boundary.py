@@ -101,7 +101,7 @@ def drive(model: Model, given: Handoff, nodes: Ints, *, node_set: str | None = N
     model, gone = _without_old(model, nodes, given)
     said += gone
     if must_points:
-        model, told = _with_must_points(model, given.times)
+        model, told = with_must_points(model, given.times)
         said += told
     if form != "curves":
         model = _with_conditions(model, given, name, form)
@@ -181,7 +181,7 @@ def _replaced(model: Model, c: Component, nodes: Ints, given: Handoff, said: lis
 # ---- must points ---------------------------------------------------------------------------------
 
 
-def _with_must_points(model: Model, times: Floats) -> tuple[Model, list[str]]:
+def with_must_points(model: Model, times: Floats) -> tuple[Model, list[str]]:
     """Adds the hand-off's times to the must points (the load curve of dtmax) of every time stepper."""
     said: list[str] = []
     controllers = list(model.controllers)

@@ -25,6 +25,8 @@ from .steps import Steps, StepView, control
 if TYPE_CHECKING:
     from febkit.feb import Difference, Finding
 
+    from .solution import Solution
+
 Floats = NDArray[np.float64]
 MODULES = ("solid", "biphasic", "solute", "multiphasic")
 PLOTS = {
@@ -310,12 +312,16 @@ class Model(Stage):
 
         return f"<pre>{escape(repr(self))}</pre>"
 
-    def solve(self, *args: Any, **options: Any) -> Any:
-        """Solve the model: see :func:`febkit.solve`."""
-        from febkit.solving import solve
+    def solve(self, plotfile: str | PathLike[str] | None = None, *, variables: Sequence[str] | None = None,
+              at: Sequence[float] | None = None, **options: Any) -> Solution:  # fmt: skip
+        """Solve the model in memory; ``result.dataset`` holds its fields: see :func:`.solution.solve`.
 
-        return solve(self._record, *args, **options)
+        plotfile: a file to write instead; variables: plot variables to keep; at: times to keep, met exactly; other
+        options (threads, progress, accuracy, ...) are those of :func:`febkit.solve`.
+        """
+        from .solution import solve
 
+        return solve(self._record, plotfile, variables=variables, at=at, **options)
 
 
 def _kind(type_: str) -> str:

@@ -29,7 +29,7 @@ class Outputs:
     @plot.setter
     def plot(self, names: Iterable[str]) -> None:
         held = {v.type: v for v in self._model.record.output.plot}
-        new = tuple(held.get(n) or PlotVariable(_known(n)) for n in names)
+        new = tuple(held.get(n) or PlotVariable(known(n)) for n in names)
         self._model._put(output=replace(self._model.record.output, plot=new))
 
     def add(self, *names: str) -> None:
@@ -50,7 +50,7 @@ class Outputs:
         return f"plot: {', '.join(self.plot) or 'nothing'}" + (f"\nlog: {'; '.join(log)}" if log else "")
 
 
-def _known(name: str) -> str:
+def known(name: str) -> str:
     if name.partition("[")[0].partition("=")[0] not in table()["plot"]:
         raise InputError(missing("plot variable", name, sorted(table()["plot"])))
     return name

@@ -63,6 +63,34 @@ def test_it_agrees_with_theory_at_equilibrium() -> None:
     assert result.state.reaction[top, 2].sum() == pytest.approx(stress, rel=1e-6)
 
 
+def test_a_solve_leaves_no_file_and_gives_the_dataset_of_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    m = plug()
+    result = m.solve()
+    assert list(tmp_path.iterdir()) == [] and bool(result) and repr(result).startswith("solved to t = 10")
+    on_disk = m.solve("plug.xplt").dataset
+    for name in on_disk.data_vars:
+        assert np.array_equal(result.dataset[name].values, on_disk[name].values, equal_nan=True), name
+    assert result.dataset["effective_fluid_pressure"].sel(time=10.0).notnull().any()
+    some = m.solve(variables=["displacement"], at=[0.35, 2.2, 10.0]).dataset
+    assert np.allclose(some["time"].values, [0.35, 2.2, 10.0]) and "stress" not in some
+    assert [s.control.plot_level for s in m.steps] == ["PLOT_MUST_POINTS"]  # the model itself is as it was
+    with pytest.raises(InputError, match='no plot variable "strss"'):
+        m.solve(variables=["strss"])
+
+
+def test_a_run_that_stops_says_why_and_keeps_what_was_solved() -> None:
+    m = febkit.Model()
+    m.add_block("a", (1, 1, 1), (2, 2, 2))
+    m.materials["m"] = mt.NeoHookean(E=1, v=0.3)
+    m.fix(m.nodes(z="min"), "x", "y", "z")
+    m.prescribe(m.nodes(z="max"), z=-0.6, x=0.4, curve=[(0, 0), (0.5, 1e-4), (1, 1)])
+    m.step(time=1.0, dt=0.5, fixed=True, solver={"max_refs": 1, "dtol": 1e-6})
+    result = m.solve()
+    assert not result and "reformations (1)" in result.reason and repr(result).startswith("stopped")
+    assert result.dataset["time"].values[-1] == 0.5
+
+
 # ---- editing --------------------------------------------------------------------------------------
 
 

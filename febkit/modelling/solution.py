@@ -1,0 +1,136 @@
+"""What :meth:`febkit.Model.solve` gives back: the result in words, and its fields as a dataset in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from febkit.model import InputError, Output, PlotVariable
+from febkit.model import Model as Record
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.solver.result import Result, Totals
+    from febkit.solver.state import State
+
+
+class Solution:
+    """The end of a run.
+
+    converged, reason: whether it came to its end, and why not, in a sentence; times: those of the states in
+    :attr:`dataset`; state: the nodal fields at the end (u, p, reaction, ...); totals: steps, iterations, seconds.
+    """
+
+    def __init__(self, result: Result, dataset: xr.Dataset | None) -> None:
+        self.result, self._dataset = result, dataset
+
+    @property
+    def converged(self) -> bool:
+        return self.result.converged
+
+    @property
+    def reason(self) -> str:
+        return self.result.reason
+
+    @property
+    def state(self) -> State:
+        return self.result.state
+
+    @property
+    def totals(self) -> Totals:
+        return self.result.totals
+
+    @property
+    def times(self) -> list[float]:
+        return self.result.times
+
+    @property
+    def interrupted(self) -> bool:
+        return self.result.interrupted
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The same xarray.Dataset as from a plotfile of the run."""
+        if self._dataset is None:
+            raise InputError("nothing was kept of this run: no state was solved")
+        return self._dataset
+
+    def __bool__(self) -> bool:
+        return self.converged
+
+    def __repr__(self) -> str:
+        t = self.totals
+        end = "solved" if self.converged else f"stopped: {self.reason};"
+        return (f"{end} to t = {self.state.time:g}: {t.steps} steps, {t.iterations} iterations, {t.retries} retries, "
+                f"{t.seconds.get('total', 0.0):.2f} s")  # fmt: skip
+
+
+def solve(
+    model: Record, plotfile: Any = None, *, variables: Sequence[str] | None = None, at: Sequence[float] | None = None,
+    **options: Any,
+) -> Solution:  # fmt: skip
+    """Solve a model and keep its fields.
+
+    Without ``plotfile`` they stay in memory (single precision, as a plotfile holds them) and no file is left; with one
+    the dataset reads it when touched. ``variables``: plot variables instead of the model's; ``at``: times that are met
+    and kept, instead of the states that the model asks for. Other options are those of :func:`febkit.solve`.
+    """
+    from febkit.results import open as open_results
+    from febkit.solving import solve as run
+
+    if variables is not None:
+        from .output import known
+
+        plot = tuple(PlotVariable(known(v)) for v in variables)
+        model = replace(model, output=replace(model.output or Output(), plot=plot))
+    if at is not None:
+        model = kept_at(model, at)
+    if plotfile is not None:
+        result = run(model, plotfile, **options)
+        return Solution(result, picked(open_results(plotfile), at) if Path(plotfile).is_file() else None)
+    with TemporaryDirectory(prefix="febkit-") as folder:
+        path = Path(folder) / "run.xplt"
+        result = run(model, path, **options)
+        dataset = None
+        if path.is_file():
+            with open_results(path) as ds:
+                dataset = picked(ds, at).load()
+        if dataset is not None:
+            dataset.attrs.pop("source", None)
+            dataset.encoding.pop("source", None)
+        return Solution(result, dataset)
+
+
+def picked(ds: xr.Dataset, at: Sequence[float] | None) -> xr.Dataset:
+    """The states at times ``at``, those that the run came to; all where none are named."""
+    if at is None:
+        return ds
+    t, wanted = np.asarray(ds["time"].values, dtype=float), np.unique(np.asarray(at, dtype=float))
+    near = np.abs(t[:, None] - wanted).min(axis=1) <= 1e-6 * max(float(wanted[-1]), 1e-300)
+    return ds.isel(time=np.flatnonzero(near))
+
+
+def kept_at(model: Record, times: Sequence[float]) -> Record:
+    """The model with must points at ``times`` in all its steps, and states kept at must points alone."""
+    from febkit.coupling.boundary import with_must_points
+
+    t = np.unique(np.asarray(times, dtype=float))
+    if not len(t) or not np.isfinite(t).all() or t[0] < 0:
+        raise InputError("at= takes times from 0 on")
+    changed, said = with_must_points(model, t)
+    if any("fixed size" in line for line in said):
+        raise InputError("a step of fixed size meets no times of its own: give its control a time stepper")
+    steps = []
+    for s in changed.steps:
+        if s.control is not None:
+            left = tuple(c for c in s.control.children if c.tag != "plot_level")
+            level = replace(s.control, tag="plot_level", type=None, text="PLOT_MUST_POINTS", children=(), attrs={})
+            s = replace(s, control=replace(s.control, children=(*left, level)))
+        steps.append(s)
+    return replace(changed, steps=tuple(steps))
