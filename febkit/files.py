@@ -64,7 +64,7 @@ def keep_apart(outputs: Iterable[Named], inputs: Iterable[Named]) -> None:
         taken.append((what, path, _WRITTEN))
 
 
-def may_write(path: PathLike, replace: bool = True, where: Where | None = None) -> None:
+def may_write(path: PathLike, overwrite: bool = True, where: Where | None = None) -> None:
     """Refuse, before anything is computed, what cannot be written."""
     target = real(path)
     if target.is_dir():
@@ -73,7 +73,7 @@ def may_write(path: PathLike, replace: bool = True, where: Where | None = None) 
         return
     if not target.parent.is_dir():
         raise InputError(f"{_at(path, where)}the folder {target.parent} does not exist", where)
-    if not replace and os.path.lexists(target):
+    if not overwrite and os.path.lexists(target):
         raise InputError(f"{_at(path, where)}this file exists already: replace it with --force, or give another name",
                          where)  # fmt: skip
     if not os.access(target.parent, os.W_OK):
@@ -123,13 +123,13 @@ def stamp(path: PathLike) -> tuple[int, int, int] | None:
 
 
 @contextmanager
-def written(path: PathLike, replace: bool = True) -> Iterator[Path]:
+def written(path: PathLike, overwrite: bool = True) -> Iterator[Path]:
     """A path to write to, which becomes ``path`` when the block ends without an error.
 
-    It has the ending of ``path``. Raises InputError where ``path`` exists and ``replace`` is False, or where a run
+    It has the ending of ``path``. Raises InputError where ``path`` exists and ``overwrite`` is False, or where a run
     writes to it; OSError that names ``path`` where writing fails.
     """
-    may_write(path, replace)
+    may_write(path, overwrite)
     target = real(path)
     if _special(target):
         yield Path(path)
@@ -141,26 +141,26 @@ def written(path: PathLike, replace: bool = True) -> Iterator[Path]:
     try:
         with _named(path, temp):
             yield temp
-            _settle(temp, target, path, replace)
+            _settle(temp, target, path, overwrite)
     finally:
         temp.unlink(missing_ok=True)
 
 
-def put(path: PathLike, data: bytes, replace: bool = True) -> None:
+def put(path: PathLike, data: bytes, overwrite: bool = True) -> None:
     """Write a whole file."""
-    with written(path, replace) as temp:
+    with written(path, overwrite) as temp:
         temp.write_bytes(data)
 
 
-def _settle(temp: Path, target: Path, path: PathLike, replace: bool) -> None:
-    if not replace:
+def _settle(temp: Path, target: Path, path: PathLike, overwrite: bool) -> None:
+    if not overwrite:
         try:
             os.link(temp, target)
             return
         except FileExistsError:
-            may_write(path, replace=False)
+            may_write(path, overwrite=False)
         except OSError:  # a file system without links
-            may_write(path, replace=False)
+            may_write(path, overwrite=False)
     elif target.exists():
         _like(temp, target)
         with open(temp, "rb+") as f:

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit.files import put
 from febkit.model import Component, InputError, LoadController, Model, NodeSet, Step, as_record
 from febkit.model.sets import node_indices
 
@@ -313,20 +313,27 @@ def helpers(references: list[Reference], times: Floats, material: int,
 # ---- files ---------------------------------------------------------------------------------------
 
 
-def write(driven: Driven, path: str | PathLike[str], version: str = "4.0") -> list[str]:
-    """The driven model as a .feb file of a version; returns what was lost on the way to older ones."""
-    from febkit.feb import write as write_feb
+def write(
+    driven: Driven, path: str | PathLike[str], version: str = "4.0", overwrite: bool = True
+) -> list[str]:
+    """The driven model as a .feb file of a version; returns what was lost on the way to older ones.
 
-    lost = write_feb(driven.model, path, version=version)
+    Raises InputError where the file exists and ``overwrite`` is False.
+    """
+    from febkit.feb import to_bytes
+
+    data, lost = to_bytes(driven.model, version)
     if driven.form == "curves":
-        p = Path(path)
         parts = curve_sections(driven.handoff, driven.model.mesh.node_ids[driven.nodes],
                                _next_id(driven.model.controllers), version)
-        p.write_bytes(insert(p.read_bytes(), parts, version))
+        data = insert(data, parts, version)
+    put(path, data, overwrite)
     return lost
 
 
-def write_section(driven: Driven, path: str | PathLike[str], version: str = "4.0") -> None:
+def write_section(
+    driven: Driven, path: str | PathLike[str], version: str = "4.0", overwrite: bool = True
+) -> None:
     """The hand-off alone as a .feb file, to be included after the cell model's own sections."""
     if driven.form == "curves":
         parts: Any = curve_sections(driven.handoff, driven.model.mesh.node_ids[driven.nodes],
@@ -342,4 +349,4 @@ def write_section(driven: Driven, path: str | PathLike[str], version: str = "4.0
         materials, curves = helpers(references, driven.handoff.times, first, _next_id(mine))
         text = {"Material": materials, "Boundary": conditions, "LoadData": [c.spec for c in curves]}
         parts = {k: "".join(tag_text(tag_of(c), "\t\t") for c in v).encode() for k, v in text.items() if v}
-    Path(path).write_bytes(section_document(parts, driven.node_set, version))
+    put(path, section_document(parts, driven.node_set, version), overwrite)

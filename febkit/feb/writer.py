@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
 
+from febkit.files import put
 from febkit.model import Model, as_record
 
 from . import convert
@@ -39,11 +39,12 @@ def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]
     return document_bytes(root, remarks), notes
 
 
-def write(model: Model, path: str | PathLike[str], version: str | None = None) -> list[str]:
+def write(model: Model, path: str | PathLike[str], version: str | None = None, overwrite: bool = True) -> list[str]:
     """Writes a .feb file of version "4.0", "3.0", "2.5", "2.0" or "1.2" (default: the model's own).
 
-    Returns a line for each thing that the version cannot say. Raises InputError for an unknown version.
+    Returns a line for each thing that the version cannot say. Raises InputError for an unknown version, and where the
+    file exists and ``overwrite`` is False.
     """
     data, notes = to_bytes(model, version)
-    Path(path).write_bytes(data)
+    put(path, data, overwrite)
     return notes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from febkit.files import written
 from febkit.metrics.tables import heading
 from febkit.model import InputError
 
@@ -49,4 +50,5 @@ def cell_colours(n: int) -> list[Any]:
 
 def save(figure: Any, path: Any, dpi: int = 150) -> None:
     """Write PNG, PDF or SVG by the path's ending."""
-    figure.savefig(path, dpi=dpi)
+    with written(path) as part:
+        figure.savefig(part, dpi=dpi)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit.files import written
 from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
 from febkit.metrics.selection import select_cells
 from febkit.metrics.summary import scalar_of
@@ -359,10 +360,11 @@ def _finish(plotter: Any, shell: Any, cut: Plane | None, text: str) -> None:
 
 def _write(plotter: Any, path: str | os.PathLike[str]) -> None:
     try:
-        image = plotter.screenshot(os.fspath(path), return_img=True)
+        with written(path) as part:
+            image = plotter.screenshot(os.fspath(part), return_img=True)
+            if image is None or not np.ptp(image):
+                raise InputError("the picture came out empty: there is no OpenGL (EGL or OSMesa) to render with")
     except (RuntimeError, AttributeError) as e:
         raise InputError(f"nothing can be rendered here: {e}") from None
     finally:
         plotter.close()
-    if image is None or not np.ptp(image):
-        raise InputError("the picture came out empty: there is no OpenGL (EGL or OSMesa) to render with")

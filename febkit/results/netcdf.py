@@ -8,11 +8,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from febkit.files import written
+from febkit.model import InputError, Where
+
 _LISTS = ("parts", "element_types", "materials", "names", "febio_array_names")
 _NUMBERS = ("part_materials", "part_sizes", "part_named", "material_ids", "sizes", "widths", "febio_regions")
 
 
-def write_netcdf(ds: xr.Dataset, path: str | os.PathLike[str], compress: int = 0) -> None:
+def write_netcdf(ds: xr.Dataset, path: str | os.PathLike[str], compress: int = 0,
+                 overwrite: bool = True) -> None:
     """Write state by state where the data are lazy; ``compress`` 1-9 packs floats."""
     out = ds
     encoding: dict[Any, dict[str, Any]] = {}
@@ -22,7 +26,17 @@ def write_netcdf(ds: xr.Dataset, path: str | os.PathLike[str], compress: int = 0
             encoding[name] = {"_FillValue": None}
             if compress:
                 encoding[name] |= {"zlib": True, "complevel": compress}
-    out.to_netcdf(path, engine="netcdf4", encoding=encoding)
+    save(out, path, overwrite, engine="netcdf4", encoding=encoding)
+
+
+def save(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = True, **options: Any) -> None:
+    """Write a dataset as it is: whole, or not at all. Raises InputError where the file exists and ``overwrite`` is
+    False."""
+    with written(path, overwrite) as part:
+        try:
+            ds.to_netcdf(part, **options)
+        except RuntimeError as e:  # what the library makes of a full disk
+            raise InputError(f"the file cannot be written: {e}; is the disk full?", Where(os.fspath(path))) from None
 
 
 def open_netcdf(path: str | os.PathLike[str], chunks: Any = None) -> xr.Dataset:

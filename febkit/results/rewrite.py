@@ -23,7 +23,7 @@ Path = str | os.PathLike[str]
 
 
 def write(
-    ds: xr.Dataset, path: Path, *, version: int | None = None, compress: bool | None = None, replace: bool = True
+    ds: xr.Dataset, path: Path, *, version: int | None = None, compress: bool | None = None, overwrite: bool = True
 ) -> None:
     """Write a dataset of the shape ``febkit.results.open`` gives as a plotfile.
 
@@ -46,7 +46,7 @@ def write(
         units=ds.attrs.get("unit_system"),
         author=ds.attrs.get("author"),
         live=False,
-        replace=replace,
+        overwrite=overwrite,
     )
     places = Places(_outline(m), lambda: m)
     with writer:
@@ -62,7 +62,7 @@ def write(
 
 
 def copy(
-    source: Path, target: Path, *, version: int | None = None, compress: bool | None = None, replace: bool = True
+    source: Path, target: Path, *, version: int | None = None, compress: bool | None = None, overwrite: bool = True
 ) -> None:
     """Rewrite a plotfile value for value, mesh changes included."""
     keep_apart([("plotfile", target, None)], [("plotfile", source, None)])
@@ -79,7 +79,7 @@ def copy(
             units=h.units,
             author=h.author or None,
             live=False,
-            replace=replace,
+            overwrite=overwrite,
         ) as w:
             current = 0
             for t, s in enumerate(f.states):

@@ -10,6 +10,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from febkit.files import may_write, put, written
 from febkit.model import InputError, Where
 
 from . import mesh as meshes
@@ -30,12 +31,15 @@ def write_series(
     variables: Sequence[str] | None = None,
     deformed: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    overwrite: bool = True,
 ) -> list[Path]:
     """Write every state of one dataset, or of one per mesh, beside ``path`` (.pvd or .vtu).
 
     Points are reference coordinates, or current ones where ``deformed``. Nodal values become point data;
     element values cell data; values at the nodes of elements their mean by element; one value per domain
-    is repeated on its elements. Surfaces with data make a second file per state, part 1 of the series.
+    is repeated on its elements. Surfaces with data make a second file per state, part 1 of the series. Each file is
+    written whole or not at all, the list of them at the end. Raises InputError where there is a file of one of their
+    names and ``overwrite`` is False.
     """
     many = [datasets] if not isinstance(datasets, Sequence) else list(datasets)
     path = Path(path)
@@ -43,6 +47,8 @@ def write_series(
         raise InputError("a series for ParaView ends in .pvd or .vtu", Where(str(path)))
     n = sum(ds.sizes["time"] for ds in many)
     digits = max(4, len(str(n)))
+    for name in (f"{path.stem}.pvd", *(f"{path.stem}_{k:0{digits}d}.vtu" for k in range(n))):
+        may_write(path.with_name(name), overwrite)
     entries: list[tuple[float, int, Path]] = []
     k = 0
     for ds in many:
@@ -53,23 +59,24 @@ def write_series(
                 tail = f"_{k:0{digits}d}" + ("_surfaces" if part else "")
                 file = path.with_name(path.stem + tail + ".vtu")
                 # plain binary: as small as the floats are, and several times faster than packed
-                m.write(file, file_format="vtu", compression=None)
+                with written(file, overwrite) as whole:
+                    m.write(whole, file_format="vtu", compression=None)
                 entries.append((time, part, file))
             k += 1
             if progress:
                 progress(k, n)
-    _pvd(path.with_suffix(".pvd"), entries)
+    put(path.with_suffix(".pvd"), _pvd(entries).encode(), overwrite)
     return [path.with_suffix(".pvd"), *(f for _, _, f in entries)]
 
 
-def _pvd(path: Path, entries: Sequence[tuple[float, int, Path]]) -> None:
+def _pvd(entries: Sequence[tuple[float, int, Path]]) -> str:
     rows = [
         f'    <DataSet timestep="{time!r}" part="{part}" file={quoteattr(file.name)}/>'
         for time, part, file in entries
     ]
     text = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
             "  <Collection>", *rows, "  </Collection>", "</VTKFile>", ""]
-    path.write_text("\n".join(text), encoding="utf-8")
+    return "\n".join(text)
 
 
 class Plan:

@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from febkit.files import put
 from febkit.metrics import tables
 from febkit.metrics.agreement import compare_orders, spread
 from febkit.model import InputError
+from febkit.results import netcdf
 
 from . import gather, pattern
 from .plan import CONTROL, Place, Plan, which
@@ -29,13 +31,13 @@ def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Pat
     data = gather.results(plan)
     if not data.data_vars:
         raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
-    data.to_netcdf(path)
+    netcdf.save(data, path)
     yield path
     found: Metrics = dict(gather.finished(plan))
     pictures = list(_figures(plan, found, folder)) if figures else []
     yield from pictures
     path = folder / "report.md"
-    path.write_text(_text(plan, found, pictures), encoding="utf-8")
+    put(path, _text(plan, found, pictures).encode())
     yield path
 
 

@@ -42,7 +42,7 @@ class PlotWriter:
         units: str | None = None,
         author: str | None = None,
         live: bool = True,
-        replace: bool = True,
+        overwrite: bool = True,
     ) -> None:
         if version not in (0x30, 0x31, 0x32, 0x33, 0x34, 0x35):
             raise ValueError(f"plotfile versions 0x30 to 0x35 can be written, not {version:#x}")
@@ -56,7 +56,7 @@ class PlotWriter:
             encode.dictionary(self.variables, units is not None),
         )
         self._meshes, self._live = 0, live
-        may_write(path, replace)
+        may_write(path, overwrite)
         self.output = Output(path)
         try:
             self.output.write(struct.pack("<I", tags.MAGIC), self._head)
