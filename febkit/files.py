@@ -44,12 +44,12 @@ def same(a: PathLike, b: PathLike) -> bool:
         return os.path.normcase(real(a)) == os.path.normcase(real(b))
 
 
-_WRITTEN = "is written by the same call"
+_WRITTEN = "which the same call writes"
 
 
 def keep_apart(outputs: Iterable[Named], inputs: Iterable[Named]) -> None:
     """Refuse to write onto a file that the same call reads, or two outputs into one file."""
-    taken = [(what, path, "is read by the same call") for what, path, _ in inputs]
+    taken = [(what, path, "which the same call reads") for what, path, _ in inputs]
     for what, path, where in outputs:
         if _special(real(path)):
             continue
@@ -59,8 +59,8 @@ def keep_apart(outputs: Iterable[Named], inputs: Iterable[Named]) -> None:
                     raise InputError(f"{_at(path, where)}another {what} of the same call is written to this file: give "
                                      "one of them another name", where)  # fmt: skip
                 name = "" if os.fspath(its) == os.fspath(path) else f" {os.fspath(its)}"
-                raise InputError(f"{_at(path, where)}the {what} would be written onto the {other}{name}, which {how}: "
-                                 "give it another name", where)  # fmt: skip
+                raise InputError(f"{_at(path, where)}this is the {other}{name}, {how}: give the {what} another name",
+                                 where)  # fmt: skip
         taken.append((what, path, _WRITTEN))
 
 

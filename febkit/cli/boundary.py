@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .outputs import FORCE, check
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -68,8 +70,9 @@ class Options:
 @click.option("--dataset", type=FILE, help="Also save F, G, p, ... at the points as NetCDF.")
 @click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put "
               "before its ending [default: CELL_driven.feb].")
+@FORCE
 def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path | None, times: str | None,
-            dataset: Path | None, output: Path | None, **rest: Any) -> None:
+            dataset: Path | None, output: Path | None, force: bool, **rest: Any) -> None:
     """Drive the surface of CELL (.feb) by SOURCE: a solved tissue (.xplt, .nc) or F(t), p(t), c(t) (.csv, .nc).
 
     \b
@@ -80,21 +83,29 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
     from febkit.model import InputError
 
     options = Options(**rest)
+    if cell is not None and output is None:
+        output = cell.with_name(f"{cell.stem}_driven.feb")
+    several = len(at) + (points is not None) > 1  # their names are put into the output's: checked when they are known
+    check([dataset, None if several else output], [source, cell, points], force)
     if cell is None and dataset is None:
         raise InputError("nothing to write: give a cell model, or --dataset for F, G, p alone")
     tissue, driving = _driving(source, at, points, times, options)
     if dataset is not None:
         if driving is None:
             raise InputError("--overlay makes no series: leave out --dataset")
-        driving.to_netcdf(dataset)
+        from febkit.results.netcdf import save
+
+        save(driving, dataset, force)
         click.echo(f"wrote {dataset}")
     if cell is not None:
-        _drive_all(cell, tissue, driving, at, points, options, output)
+        assert output is not None
+        _drive_all(cell, tissue, driving, at, points, options, output, [source, points], force)
 
 
 def _drive_all(cell: Path, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
-               points: Path | None, options: Options, output: Path | None) -> None:
+               points: Path | None, options: Options, target: Path, inputs: list[Path | None], force: bool) -> None:
     from febkit.feb import read
+    from febkit.feb.read import sources
 
     model = read(cell)
     places = None
@@ -102,13 +113,14 @@ def _drive_all(cell: Path, tissue: Field | None, driving: xr.Dataset | None, at:
         places, names = _places(at, points)
     else:
         names = [str(n) for n in driving["point"].values]
-    target = output or cell.with_name(f"{cell.stem}_driven.feb")
-    for k, name in enumerate(names):
-        path = target if len(names) == 1 else target.with_name(f"{target.stem}_{_safe(name)}{target.suffix}")
+    stem, end = target.stem, target.suffix
+    paths = [target] if len(names) == 1 else [target.with_name(f"{stem}_{_safe(n)}{end}") for n in names]
+    check(paths, [*inputs, *sources(model)], force)
+    for k, (name, path) in enumerate(zip(names, paths)):
         if len(names) > 1:
             click.echo(f"point {name}:")
         place = None if places is None else places[k]
-        _drive_one(model, tissue, driving, k, place, options, path)
+        _drive_one(model, tissue, driving, k, place, options, path, force)
 
 
 def _safe(name: str) -> str:
@@ -203,7 +215,7 @@ def _numbers(text: str, option: str, count: int | None = None) -> Any:
 
 
 def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,
-               options: Options, path: Path) -> None:
+               options: Options, path: Path, force: bool) -> None:
     """Writes one driven model or section, and says what was found."""
     from febkit.coupling import check, drive, with_solutes, write, write_section
 
@@ -223,9 +235,9 @@ def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, p
     for line in driven.said:
         click.echo(f"  {line}")
     if options.section:
-        write_section(driven, path, options.version)
+        write_section(driven, path, options.version, force)
     else:
-        for lost in write(driven, path, options.version) or ():
+        for lost in write(driven, path, options.version, force) or ():
             click.echo(f"  warning: {lost}", err=True)
     click.echo(f"wrote {path} ({options.version}, {driven.form})")
 

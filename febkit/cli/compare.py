@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .outputs import check
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -54,6 +56,7 @@ def command(
     names = list(labels) or [t.stem for t in tests]
     if len(names) != len(tests):
         raise click.UsageError(f"{len(names)} labels for {len(tests)} tests")
+    check([output], [p for f in (control, *tests) for p in (f, f.with_suffix(".feb"))])
     a = measured(control)
     data = {name: measured(t) for name, t in zip(names, tests)}
     agreed = [(name, metrics.compare(a, b)) for name, b in data.items()]
@@ -74,7 +77,9 @@ def command(
     if output is not None:
         import xarray as xr
 
-        xr.concat([r for _, r in agreed], xr.DataArray(names, dims="test", name="test")).to_netcdf(output)
+        from febkit.results.netcdf import save
+
+        save(xr.concat([r for _, r in agreed], xr.DataArray(names, dims="test", name="test")), output)
         click.echo(f"wrote {output}", err=True)
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from .outputs import FORCE, check
+
 RESULTS = (".xplt", ".plt", ".nc")
 VERSIONS = ("4.0", "3.0", "2.5", "2.0", "1.2")
 
@@ -18,8 +20,9 @@ VERSIONS = ("4.0", "3.0", "2.5", "2.0", "1.2")
 @click.option("--deformed", is_flag=True, help="Results at their deformed places.")
 @click.option("--compress/--no-compress", default=None, help="Compress an .xplt or .nc target.")
 @click.option("--strict", is_flag=True, help="Write nothing, exit code 1, where the version cannot say all.")
+@FORCE
 def command(source: Path, target: Path, version: str | None, variables: tuple[str, ...], deformed: bool,
-            compress: bool | None, strict: bool) -> None:
+            compress: bool | None, strict: bool, force: bool) -> None:
     """Convert SOURCE to TARGET by their endings.
 
     \b
@@ -32,50 +35,60 @@ def command(source: Path, target: Path, version: str | None, variables: tuple[st
     """
     a, b = source.suffix.lower(), target.suffix.lower()
     if a == b == ".feb":
-        _model(source, target, version or "4.0", strict)
+        _model(source, target, version or "4.0", strict, force)
     elif a in RESULTS:
-        _results(source, target, variables, deformed, compress)
+        _results(source, target, variables, deformed, compress, force)
     else:
-        _mesh(source, target, version or "4.0")
+        _mesh(source, target, version or "4.0", force)
 
 
-def _model(source: Path, target: Path, version: str, strict: bool) -> None:
+def _model(source: Path, target: Path, version: str, strict: bool, force: bool) -> None:
     from febkit.feb import read, to_bytes
+    from febkit.feb.read import sources
+    from febkit.files import put
 
-    data, notes = to_bytes(read(source), version)
+    check([target], [source], force)
+    model = read(source)
+    check([target], sources(model), force)
+    data, notes = to_bytes(model, version)
     for note in notes:
         click.echo(f"not said in version {version}: {note}", err=True)
     if strict and notes:
         click.echo(f"{target} is not written", err=True)
         raise click.exceptions.Exit(1)
-    target.write_bytes(data)
+    put(target, data, force)
     click.echo(f"{target}: febio_spec {version}, {len(notes)} notes")
 
 
 def _results(source: Path, target: Path, variables: tuple[str, ...], deformed: bool,
-             compress: bool | None) -> None:
+             compress: bool | None, force: bool) -> None:
     from febkit.results.export import export
 
-    written = export(source, target, variables=variables or None, deformed=deformed, compress=compress)
+    written = export(source, target, variables=variables or None, deformed=deformed, compress=compress,
+                     overwrite=force)
     more = f" and {len(written) - 1} more" if len(written) > 1 else ""
     click.echo(f"{written[0]}{more}")
 
 
-def _mesh(source: Path, target: Path, version: str) -> None:
+def _mesh(source: Path, target: Path, version: str, force: bool) -> None:
     from febkit.meshio_format import read_mesh
 
+    check([target], [source], force)
     mesh = read_mesh(source)
     if target.suffix.lower() == ".feb":
         from febkit.feb import write
         from febkit.meshio_format import to_model
 
-        for note in write(to_model(mesh, str(target)), target, version):
+        for note in write(to_model(mesh, str(target)), target, version, force):
             click.echo(f"not said in version {version}: {note}", err=True)
     else:
         from meshio import WriteError
 
+        from febkit.files import written
+
         try:
-            mesh.write(target)
+            with written(target, force) as part:
+                mesh.write(part)
         except (WriteError, KeyError, ValueError) as e:
             raise click.UsageError(f"meshio cannot write {target.name}: {e}") from None
     click.echo(str(target))

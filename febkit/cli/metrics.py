@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .outputs import check
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -87,6 +89,7 @@ def command(
     from febkit import metrics
     from febkit.metrics.summary import QUANTILES
 
+    check([output], [results, model, results.with_suffix(".feb")])
     ds, m = opened(results, model)
     if variable:
         data = metrics.summarize(ds, variable, parts or None, quantiles or QUANTILES)
@@ -158,11 +161,15 @@ def _notes(data: xr.Dataset) -> None:
 
 
 def _write(data: xr.Dataset, path: Path) -> None:
+    from febkit.files import put
+
     if path.suffix == ".csv":
         flat = data[[k for k in data.data_vars if data[k].ndim == 2]]
-        path.write_text(_csv(flat), encoding="utf-8")
+        put(path, _csv(flat).encode())
     else:
-        data.to_netcdf(path)
+        from febkit.results.netcdf import save
+
+        save(data, path)
 
 
 def _csv(data: xr.Dataset) -> str:

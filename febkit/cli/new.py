@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .outputs import FORCE, check
+
 if TYPE_CHECKING:
     from febkit.model import Where
     from febkit.templates.template import Template
@@ -25,9 +27,10 @@ if TYPE_CHECKING:
               help="Folder with a template.toml and a model.feb of your own.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
               help="The .feb file to write [default: NAME_CASE.feb].")
+@FORCE
 @click.option("--parameters", is_flag=True, help="List the parameters with units and defaults, and stop.")
 def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, ...], params: Path | None,
-            template: Path | None, output: Path | None, parameters: bool) -> None:
+            template: Path | None, output: Path | None, force: bool, parameters: bool) -> None:
     """Write a complete model: the tissue cube, the cell cube, or the cells embedded in the tissue.
 
     \b
@@ -44,11 +47,13 @@ def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, 
         click.echo(_listing(template_))
         return
     values = template_.values(_given(template_, {"case": case, "physics": physics}, pairs, params))
-    model, made = template_.build(values)
     target = output or Path(f"{name}_{values['case']}.feb" if "case" in values else f"{name}.feb")
+    own = (template / "template.toml", template / "model.feb") if template else ()
+    check([target], [params, *own, str(values.get("mesh_file") or "") or None], force)
+    model, made = template_.build(values)
     from febkit.feb import write
 
-    write(model, target)
+    write(model, target, overwrite=force)
     for line in _summary(made.report):
         click.echo(line)
     click.echo(f"wrote {target}")

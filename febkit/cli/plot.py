@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from .outputs import check
+
 _FILES = click.Path(exists=True, dir_okay=False, path_type=Path)
 _OUT = click.option(
     "-o",
@@ -42,6 +44,7 @@ def histories(
     """Each metric over time, a line for each cell, a column for each file."""
     from febkit import plots
 
+    _apart(output, *files)
     _save(plots.histories(_measured(files, labels), metrics or None, until, title), output)
 
 
@@ -57,6 +60,7 @@ def exchange(
     """Mass exchange rate over the first second."""
     from febkit import plots
 
+    _apart(output, *files)
     _save(plots.early_exchange(_measured(files, labels), until, title), output)
 
 
@@ -71,6 +75,7 @@ def bland_altman(control: Path, test: Path, title: str, output: Path) -> None:
 
     from .compare import measured
 
+    _apart(output, control, test)
     _save(plots.bland_altman(measured(control), measured(test), title=title), output)
 
 
@@ -89,6 +94,7 @@ def errors(
 
     from .compare import measured
 
+    _apart(output, control, *tests)
     a = measured(control)
     agreed = {control.stem: {n: metrics.compare(a, b) for n, b in _measured(tests, labels).items()}}
     _save((plots.outside_counts if outside else plots.errors)(agreed, title), output)
@@ -124,6 +130,7 @@ def section(
 
     from .metrics import opened
 
+    _apart(output, *files)
     data = {name: opened(f) for name, f in zip(_names(files, labels), files)}
     when = float(next(iter(data.values()))[0]["time"].values[-1]) if time is None else time
     _save(
@@ -178,6 +185,7 @@ def scene(
 
     if output.suffix.lower() != ".png":
         raise click.UsageError("scenes are written as PNG: give -o a name that ends in .png")
+    _apart(output, results, *([model] if model else []))
     ds, m = opened(results, model)
     plots.scene(
         ds, output, variable, time, plane, parts or None, arrows, m, limits, not no_edges, size, title
@@ -195,6 +203,10 @@ def _measured(files: tuple[Path, ...], labels: tuple[str, ...]) -> dict[str, Any
     from .compare import measured
 
     return {name: measured(f) for name, f in zip(_names(files, labels), files)}
+
+
+def _apart(output: Path, *inputs: Path) -> None:
+    check([output], [p for f in inputs for p in (f, f.with_suffix(".feb"))])
 
 
 def _save(figure: Any, output: Path) -> None:
