@@ -18,10 +18,7 @@ if TYPE_CHECKING:
     from .system import System
 
 Floats = NDArray[np.float64]
-POINT = {  # arrays of a group (element, point, ...) by what they hold
-    "F": "deformation gradient", "s": "stress", "pg": "fluid pressure", "w": "fluid flux", "supply": "fluid supply",
-}  # fmt: skip
-NODAL = {"d": "displacement or pressure", "velocity": "velocity", "acceleration": "acceleration"}
+RATES = ("velocity", "acceleration")
 
 
 class NotFinite(RuntimeError):
@@ -46,10 +43,7 @@ def check_parameters(block: Block, pts: Points, steady: bool = False) -> None:
 
     ``steady``: look at those alone that do not vary in time.
     """
-    laws = [block.solid]
-    if block.mixture is not None:
-        laws.append(block.mixture)  # type: ignore[arg-type]
-    for law in laws:
+    for law in (block.solid, block.physics):
         for name, value in _values(law):
             if steady and not value.steady:
                 continue
@@ -72,11 +66,14 @@ def check_state(problem: Problem, state: State, groups: list[Group]) -> None:
     """Raise NotFinite where a state could not be saved: it holds a number that is not finite."""
     for g in groups:
         _check_points(g)
-    for name, what in NODAL.items():
+    if not whole(state.d):
+        row, column = (int(i) for i in np.argwhere(~np.isfinite(state.d))[0])
+        raise NotFinite(f"the {state.layout.label(column)} of {node(problem, row)} is not finite")
+    for name in RATES:
         a = getattr(state, name)
         if not whole(a):
             bad = np.flatnonzero(~np.isfinite(a).all(axis=1))
-            raise NotFinite(f"the {what} of {node(problem, int(bad[0]))} is not finite")
+            raise NotFinite(f"the {name} of {node(problem, int(bad[0]))} is not finite")
 
 
 def blame(system: System, what: str) -> NotFinite:
@@ -105,25 +102,17 @@ def blame(system: System, what: str) -> NotFinite:
 
 
 def _check_points(g: Group) -> None:
-    for name, what in POINT.items():
-        a: Floats | None = getattr(g, name, None)
-        if a is not None and a.size and not whole(a):
+    held = [("deformation gradient", g.F), *((what, getattr(g.physics, n)) for n, what in g.physics.held.items())]
+    for what, a in held:
+        if a.size and not whole(a):
             raise NotFinite(f"element {_label(g, a)}: the {what} is not finite")
 
 
 def _check_tangent(g: Group, state: State) -> None:
     """Raise NotFinite for the first element whose law has a tangent that is not finite."""
-    pts, n = g.points(), g.m * g.g
+    pts = g.points()
     pts.t, pts.dt = state.time, state.dt
-    C = np.zeros((n, 6, 6))
-    g.block.solid.stress(pts, np.zeros((n, 6)), C)
-    parts: list[tuple[str, Floats]] = [("stress", C)]
-    mix = g.block.mixture
-    if mix is not None:
-        k, dk = np.zeros((n, 6)), np.zeros((n, 6, 6)) if mix.permeability.strain_dependent else None
-        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
-        parts += [("permeability", q) for q in (k, dk) if q is not None]
-    for what, a in parts:
+    for what, a in g.physics.tangents(pts):
         if not whole(a):
             raise NotFinite(f"element {_label(g, a)}: the tangent of its {what} is not finite")
 

@@ -180,4 +180,5 @@ def kernel(fn: F | None = None, **options: Any) -> Any:
     """
     if fn is None:
         return lambda f: kernel(f, **options)
-    return Kernel(fn, options)
+    # said to each: else a kernel takes the mode of the first that calls it, and its rounding depends on which that was
+    return Kernel(fn, {"fastmath": False, **options})

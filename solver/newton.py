@@ -17,7 +17,6 @@ from .group import NegativeJacobian
 from .inverse import Inverse
 from .linear.base import LinearError, LinearSolver, Matrix
 from .pattern import GIVEN
-from .problem import COLUMNS, P
 from .quasi_newton import METHODS, Anderson, FullNewton
 from .system import System
 from .vectors import dot
@@ -67,9 +66,7 @@ class Norms:
     energy0: float = 0.0
     energy_max: float = 0.0
     residual0: float = 0.0
-    u0: float = 0.0
-    p0: float = 0.0
-    history: list[float] = field(default_factory=list)
+    fields: list[float] = field(default_factory=list)
 
 
 class Newton:
@@ -98,16 +95,14 @@ class Newton:
         self.guarded = False  # the present step is solved by guarded Newton steps (:mod:`.guarded`)
         eqs = system.eqs
         self.rows, self.given = eqs.rows, eqs.given
-        self.is_p = np.flatnonzero(eqs.column == P)
-        self.is_u = np.flatnonzero(eqs.column != P)
-        self.biphasic = bool(len(self.is_p)) or system.problem.biphasic
-        # FEBio's biphasic norms count a rigid body's displacement once for each node it carries, its rotation never
+        self.fields = [(f, system.layout.equations(f, eqs.column)) for f in system.layout.fields]
+        # FEBio's norms of mixtures count a rigid body's displacement once for each node it carries, its rotation never
         self.weight: Floats | None = None
-        if self.biphasic and system.bodies is not None:
-            self.weight = np.sqrt(system.bodies.counted(eqs)[self.is_u])
+        if len(self.fields) > 1 and system.bodies is not None:
+            self.weight = np.sqrt(system.bodies.counted(eqs))
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
-        self.augments = bool(system.augmented) or any(g.block.augment is not None for g in system.groups)
+        self.augments = bool(system.augmented) or any(g.physics.augments for g in system.groups)
         self.augments = self.augments or any(c.augments for c in system.contacts)
 
     # ---- pieces -----------------------------------------------------------------------------------
@@ -177,7 +172,7 @@ class Newton:
         if len(bad):
             row, column = (int(i) for i in bad[0])
             where = node(self.system.problem, row)
-            raise NotFinite(f"the {COLUMNS[column]} prescribed on {where} is {out[row, column]:g}")
+            raise NotFinite(f"the {self.system.layout.label(column)} prescribed on {where} is {out[row, column]:g}")
         return out
 
     def residual(self) -> Floats:
@@ -320,7 +315,7 @@ class Newton:
         if k.iterations == 0:
             m.residual0, m.energy0 = dot(R0, R0), abs(dot(u, R0))
             m.energy_max = m.energy0
-            m.u0, m.p0 = self._square(u, self.is_u), self._square(u, self.is_p)
+            m.fields = [self._square(u, own) for _, own in self.fields]
         self.increment = self.system.compose(self.increment, s * u)
         report, converged = self._test(u, s, R1, m)
         for name, norm in report.items():  # of numbers too large to be squared: no test on them means anything
@@ -333,9 +328,6 @@ class Newton:
 
     def _test(self, u: Floats, s: float, R1: Floats, m: Norms) -> tuple[dict[str, Norm], bool]:
         o, U = self.options, self.increment
-        fields = [("displacement", self.is_u, o.dtol, m.u0)]
-        if self.biphasic:
-            fields.append(("fluid pressure", self.is_p, o.ptol, m.p0))
         energy, r1 = abs(s * dot(u, R1)), dot(R1, R1)
         report = {
             "residual": Norm(m.residual0, r1, o.rtol * m.residual0),
@@ -343,9 +335,9 @@ class Newton:
         }
         ok = not (o.rtol > 0 and r1 > o.rtol * m.residual0)
         ok = ok and not (o.etol > 0 and energy > o.etol * m.energy0)
-        for name, mask, tol, first in fields:
-            now, total = s * s * self._square(u, mask), self._square(U, mask)
-            report[name] = Norm(first, now, tol * tol * total)
+        for (f, own), first in zip(self.fields, m.fields):
+            tol, now, total = o.tolerance(f), s * s * self._square(u, own), self._square(U, own)
+            report[f.name] = Norm(first, now, tol * tol * total)
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)
         ok = ok and not (o.diverge_reform and energy > m.energy_max)
@@ -353,10 +345,9 @@ class Newton:
         ok = ok and not (self.system.contacts and r1 > m.residual0 and not U.any())
         return report, ok
 
-    def _square(self, u: Floats, mask: NDArray[np.int64]) -> float:
-        part = u[mask]
-        if self.weight is not None and mask is self.is_u:
-            part = part * self.weight
+    def _square(self, u: Floats, own: NDArray[np.int64]) -> float:
+        """Squared norm of a field's equations ``own``."""
+        part = u[own] if self.weight is None else u[own] * self.weight[own]
         return dot(part, part)
 
     def _slow(self, report: dict[str, Norm]) -> bool:
@@ -385,7 +376,7 @@ class Newton:
 
     def augment(self) -> bool:
         k, system = self.count, self.system
-        done = [g.augment(k.augmentations)[0] for g in system.groups]
+        done = [g.physics.augment(k.augmentations) for g in system.groups]
         done += [load.augment(k.augmentations) for load in system.augmented]
         done += [c.augment(k.augmentations, system.state) for c in system.contacts]
         k.augmentations += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,6 +54,20 @@ class Equations:
         self.lead[1:] = np.cumsum(self.size)[:-1]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Unknowns:
+    """A group's own columns: matrix row of each unknown of a node (node, c), equation of each prescribed one, -1 else.
+
+    ``size`` (node,): number of the columns where all are free and their rows follow each other, else -1.
+    ``ordered``: the columns ascend.
+    """
+
+    row: Ints
+    given: Ints
+    size: Ints
+    ordered: bool
+
+
 class Pattern:
     """Compressed rows of the tangent for groups of elements and extra node cliques (loads, contact)."""
 
@@ -81,11 +96,30 @@ class Pattern:
         kernels.node_graph(ptr, elems, conn, symmetric, first, False, nbr)
         self._first, self._nbr = first, nbr
         self._rows(first, nbr, nn)
+        self._unknowns: dict[tuple[int, ...], Unknowns] = {}
+        for g in groups:
+            self._take(g.columns)
         self._back: dict[int, NDArray[np.int32]] = {id(g): self._offsets(g) for g in groups}
         self._contended = schedule.contended(groups, nn)
         for g in groups:
             # prescribed columns go to the right side, which has no owner among the threads
             self._contended[id(g)] |= (self.given[g.conn] >= 0).any(axis=(1, 2))
+
+    def _take(self, columns: NDArray[np.int64]) -> None:
+        """What scatters to these columns need."""
+        key = tuple(columns.tolist())
+        if key in self._unknowns:
+            return
+        whole = key == tuple(range(self.row.shape[1]))
+        row = self.row if whole else np.ascontiguousarray(self.row[:, columns])
+        given = self.given if whole else np.ascontiguousarray(self.given[:, columns])
+        in_a_row = (row == self.lead[:, None] + np.arange(len(key))).all(axis=1)
+        size = np.where(in_a_row, len(key), -1).astype(np.int32)
+        self._unknowns[key] = Unknowns(row, given, size, list(key) == sorted(key))
+
+    def unknowns(self, group: Group) -> Unknowns:
+        """Rows and equations of a group's own columns."""
+        return self._unknowns[tuple(group.columns.tolist())]
 
     @staticmethod
     def _stack(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:

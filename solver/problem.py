@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .fields import DISPLACEMENT, PRESSURE, Field, Layout
+from .physics import default
 from .solids.base import Solid
-from .values import Constant, Value
+from .solids.inert import Inert
+from .values import Value
 
 if TYPE_CHECKING:
+    from .physics.base import Physics
     from .rigid.body import RigidBody
     from .rigid.connectors import Connector
     from .ties import LinearConstraint
@@ -19,37 +23,14 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# nodal unknowns are columns of (node, column) arrays
-UX, UY, UZ, P = range(4)
-COLUMNS = ("x displacement", "y displacement", "z displacement", "fluid pressure")
-
 STATIC, STEADY, TRANSIENT, DYNAMIC = "static", "steady-state", "transient", "dynamic"
-
-
-@dataclass(eq=False)
-class Mixture:
-    """The fluid of a biphasic block: permeability, phi0 (referential solid volume fraction), supply."""
-
-    permeability: Any
-    phi0: Value = field(default_factory=lambda: Constant(0.0))
-    fluid_density: Value = field(default_factory=lambda: Constant(0.0))
-    supply: Any = None
-
-
-@dataclass
-class Augment:
-    """Augmented Lagrangian of a three-field block: relative tolerance, least and most augmentations."""
-
-    tolerance: float = 0.01
-    least: int = 0
-    most: int = 0
 
 
 @dataclass(eq=False)
 class Block:
     """Elements of one type and material. ``conn`` (m, n) 0-based, ``ids`` (m,) labels for messages.
 
-    ``formulation``: "standard", or "three-field" (element-mean dilatation, for uncoupled solids).
+    ``solid``: the law of the solid; ``physics``: what the elements solve for (:mod:`.physics`).
     ``axes`` (m, 3, 3) or (m, g, 3, 3): local material axes as columns, or None.
     """
 
@@ -57,11 +38,9 @@ class Block:
     element: str
     conn: Ints
     ids: Ints
-    solid: Solid
-    mixture: Mixture | None = None
-    formulation: str = "standard"
+    solid: Solid = field(default_factory=Inert)
+    physics: Physics = field(default_factory=default)
     axes: Floats | None = None
-    augment: Augment | None = None
     rule: str | None = None
 
 
@@ -109,8 +88,9 @@ class NewtonOptions:
     """Nonlinear solve (FEBio user manual, Control section; FEBio's names in brackets).
 
     method: "BFGS", "Broyden" or "full Newton" [qn_method]; updates: quasi-Newton updates between
-    reformations [max_ups]; dtol, etol, rtol, ptol: relative tolerances of displacement, energy, residual
-    norm, pressure (0: not tested).
+    reformations [max_ups]; dtol, ptol, ctol, etol, rtol: relative tolerances of displacement, fluid pressure,
+    concentrations, energy and residual norm (0: not tested); tolerances: those of other fields, by the names of
+    their options (:class:`.fields.Field`).
     """
 
     method: str = "BFGS"
@@ -118,10 +98,12 @@ class NewtonOptions:
     buffer: int = 0
     cycle: bool = True
     cmax: float = 1e5
-    dtol: float = 1e-3
+    dtol: float = DISPLACEMENT.tolerance
     etol: float = 1e-2
     rtol: float = 0.0
-    ptol: float = 1e-2
+    ptol: float = PRESSURE.tolerance
+    ctol: float = 1e-2
+    tolerances: dict[str, float] = field(default_factory=dict)
     max_reforms: int = 15
     reform_each_step: bool = True
     reform_augment: bool = False
@@ -137,6 +119,11 @@ class NewtonOptions:
     beta: float = 0.25
     gamma: float = 0.5
     rho_inf: float = -2.0
+
+    def tolerance(self, of: Field) -> float:
+        """The tolerance of a field."""
+        named = {"dtol": self.dtol, "ptol": self.ptol, "ctol": self.ctol}
+        return self.tolerances.get(of.option, named.get(of.option, of.tolerance))
 
 
 @dataclass
@@ -202,6 +189,7 @@ class Problem:
     """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step.
 
     Conditions on rigid body i name the rows len(X) + 2 i (displacement of the centre) and the next (rotation vector).
+    ``fields``: the nodal fields where the blocks alone do not say them.
     """
 
     X: Floats
@@ -210,11 +198,19 @@ class Problem:
     common: Step = field(default_factory=Step)
     node_ids: Ints | None = None
     bodies: list[RigidBody] = field(default_factory=list)
+    fields: Layout | None = None
 
     def __post_init__(self) -> None:
         self.X = np.ascontiguousarray(self.X, dtype=float)
 
     @property
-    def biphasic(self) -> bool:
-        """True where some block has a pressure unknown."""
-        return any(b.mixture is not None for b in self.blocks)
+    def layout(self) -> Layout:
+        """Columns of the nodal fields: those given, or those of rigid bodies and blocks as they come."""
+        if self.fields is not None:
+            return self.fields
+        return Layout.of([DISPLACEMENT] if self.bodies else [], *(b.physics.fields for b in self.blocks))
+
+    @property
+    def diffuses(self) -> bool:
+        """Has some block rates besides those of inertia?"""
+        return any(b.physics.rates for b in self.blocks)

@@ -44,9 +44,9 @@ class Route:
         """A solver for the system; ``single``: its factor may be of single precision."""
         known = None
         if name == "iterative":
-            from .storage import layout
+            from .storage import unknowns
 
-            known = layout(self.system)
+            known = unknowns(self.system)
         return choose(name, self.rows, self.threads, single, known, self.system.mixed)
 
     def keeps(self) -> bool:
@@ -58,7 +58,7 @@ class Route:
             return o.factor == "reuse"
         pinned = step.auto is not None or o.accuracy > 0.0
         pinned = pinned and step.saving.level != "PLOT_MAJOR_ITRS"
-        transient = self.system.problem.biphasic and step.analysis == TRANSIENT and not self.system.contacts
+        transient = self.system.problem.diffuses and step.analysis == TRANSIENT and not self.system.contacts
         return pinned and transient and self.rows >= REUSE_EQUATIONS
 
     def _room(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import compilation
 from .clock import Clock
+from .fields import DISPLACEMENT
 from .finite import NotFinite, check_parameters, check_state
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
@@ -134,14 +135,13 @@ class Run:
 
     def _set_up(self) -> None:
         size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
-        self.groups = [Group(b, self.problem.X, size) for b in self.problem.blocks]
+        self.groups = [Group(b, self.problem.X, size, self.state.layout) for b in self.problem.blocks]
         for g in self.groups:
             check_parameters(g.block, g.points(), steady=True)
         self.schedule = Schedule(self.groups, self.team)
         if self.options.stabilise:
             for g in self.groups:
-                if g.block.mixture is not None:
-                    g.stabilise(self.options.stabilise)
+                g.physics.stabilise(self.options.stabilise)
         if self.problem.bodies:
             if self.options.linear == "iterative":
                 raise ValueError("multigrid knows nothing of the unknowns of rigid bodies: take another linear solver")
@@ -165,6 +165,8 @@ class Run:
                 s.d[c.nodes, c.column] = v
         if self.bodies is not None:
             self.bodies.start(s)
+        for g in self.groups:
+            g.physics.start(s)
 
     def _first_state(self) -> None:
         step = self.problem.steps[0]
@@ -172,7 +174,7 @@ class Run:
             return
         if step.auto is not None or step.saving.range[0] == 0 or step.saving.zero:
             for g in self.groups:
-                if g.block.mixture is not None:
+                if g.fields != (DISPLACEMENT.name,):
                     for c in g.chunks:
                         g.update(c, self.state, self.state.u, [])
             self._hand_over(0)
@@ -230,9 +232,9 @@ class Run:
         why = refusal(self.problem)
         if why:
             raise ValueError(why)
-        o = self.step.newton
-        loose = {n: min(getattr(o, n), self.options.accuracy) for n in ("dtol", "ptol") if getattr(o, n) > 0}
-        newton.options = replace(o, **loose)
+        o, most = self.step.newton, self.options.accuracy
+        given = {f.option: o.tolerance(f) for f in self.state.layout.fields}
+        newton.options = replace(o, tolerances={n: min(tol, most) if tol > 0 else tol for n, tol in given.items()})
         return SecondOrder(self.state, self.groups, newton, self.options.accuracy)
 
     def _time_step(self, newton: Newton) -> str:

@@ -49,7 +49,7 @@ class Schedule:
     def __init__(self, groups: list[Group], team: Team) -> None:
         self.team = team
         pairs = [(g, c) for g in groups for c in g.chunks]
-        cost = np.array([(c.hi - c.lo) * g.g * g.n * g.columns for g, c in pairs], float)
+        cost = np.array([(c.hi - c.lo) * g.g * g.n * len(g.columns) for g, c in pairs], float)
         elements = sum(c.hi - c.lo for _, c in pairs)
         n = max(1, min(team.n, elements // LEAST, len(pairs)))
         middle = np.cumsum(cost) - 0.5 * cost

@@ -29,7 +29,7 @@ ENOUGH = 1e-3  # accuracy down to which FEBio's min_residual leaves less than th
 
 def refusal(problem: Problem) -> str:
     """Why steps of second order make no sense for a problem; empty where they do."""
-    if not problem.biphasic or any(s.analysis != TRANSIENT for s in problem.steps):
+    if not problem.diffuses or any(s.analysis != TRANSIENT for s in problem.steps):
         return "steps of second order are for transient analyses of biphasic models"
     if problem.bodies:
         return "rigid bodies turn by steps of first order"
@@ -47,9 +47,9 @@ class SecondOrder:
     def __init__(self, state: State, groups: list[Group], newton: Newton, accuracy: float) -> None:
         self.state, self.newton, self.accuracy = state, newton, accuracy
         self._most = newton.options.min_residual
-        self.groups = [g for g in groups if g.block.mixture is not None]
+        self.groups = groups
         self._past: list[tuple[float, Floats]] = []  # times and values at the ends of the last steps
-        self._scale = np.zeros(2)
+        self._scale = np.zeros(len(state.layout.fields))
 
     def begin(self) -> None:
         """Remember the state that steps start from."""
@@ -58,7 +58,7 @@ class SecondOrder:
     def solve(self, dt: float, prepare: Callable[[], None]) -> tuple[Counts, float]:
         """Step by ``dt``; ``prepare`` makes the present state the last converged one.
 
-        Returns the iterations of both stages and the estimated local error of u and p, relative to the largest met.
+        Returns the iterations of both stages and the estimated local error of the fields, relative to the largest met.
         """
         s, start = self.state, self.state.time
         self.newton.options = replace(self.newton.options, min_residual=self._least())
@@ -69,16 +69,14 @@ class SecondOrder:
         counts = self.newton.step()
         first = s.d.copy()
         for g in self.groups:  # the second stage starts from a point beyond the first
-            beyond = (1.0 - GAMMA) / GAMMA
-            g.Jp += beyond * (g.J - g.Jp)
-            if g.steady_pressure is not None:
-                g.pgp += beyond * (g.pg - g.pgp)
+            for before, now in g.physics.rates():
+                before += (1.0 - GAMMA) / GAMMA * (now - before)
         s.time = start + dt
         second = self.newton.step()
         counts.iterations = max(counts.iterations, second.iterations)
         counts.residuals += second.residuals
         counts.factorisations += second.factorisations
-        s.velocity = (s.d[:, :3] - d0[:, :3]) / dt
+        s.velocity = (s.u - s.displacements(d0)) / dt
         return counts, self._error(start, dt, d0, first)
 
     def _least(self) -> float:
@@ -93,7 +91,7 @@ class SecondOrder:
     def _error(self, start: float, dt: float, d0: Floats, first: Floats) -> float:
         """The smaller of two estimates: by the third difference of the last steps, where there are as many and the
         loads are smooth, and by what the second stage adds to the first's line, which is of the step alone."""
-        now = self.state.d
+        now, norms = self.state.d, self.state.layout.norms
         inner = 0.2 * (now - d0 - (first - d0) / GAMMA)
         estimates = [inner]
         if len(self._past) == 3:
@@ -103,13 +101,8 @@ class SecondOrder:
             third = (now - ahead) / np.prod(start + dt - t)  # y''' / 6
             estimates.append(6.0 * ERROR * dt**3 * third)
         if not self._scale.any():  # the first step sets the scale: its size is the file's
-            self._scale = _norms(now)
+            self._scale = norms(now)
             return 0.0
-        self._scale = np.maximum(self._scale, _norms(now))
+        self._scale = np.maximum(self._scale, norms(now))
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
-        return float(min((_norms(e) / scale).max() for e in estimates))
-
-
-def _norms(d: Floats) -> NDArray[np.float64]:
-    """Norms of displacement and pressure."""
-    return np.array([np.linalg.norm(d[:, :3]), np.linalg.norm(d[:, 3])])
+        return float(min((norms(e) / scale).max() for e in estimates))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .finite import blame, whole
+from .pattern import FREE
 
 if TYPE_CHECKING:
     from .route import Route
@@ -32,9 +33,9 @@ def accelerate(system: System, route: Route) -> None:
     if system.bodies is not None or system.ties is not None:
         _with_ties(system, route, f)
         return
-    free = system.eqs.kind[:, :3] == 0
-    if np.any(f[:, :3][free]):
-        s.acceleration[free] = system.mass.solve(f[:, :3], free)[free]
+    fu, free = s.layout.u(f), system.eqs.kind[:, s.layout.displacement] == FREE
+    if np.any(fu[free]):
+        s.acceleration[free] = system.mass.solve(fu, free)[free]
 
 
 def _with_ties(system: System, route: Route, f: NDArray[np.float64]) -> None:
@@ -54,6 +55,6 @@ def _with_ties(system: System, route: Route, f: NDArray[np.float64]) -> None:
     solver.close()
     full = np.zeros_like(s.d)
     system.spread(a, full)
-    s.acceleration[:] = full[:, :3]
+    s.acceleration[:] = s.layout.u(full)
     if bodies is not None:
         s.acceleration[bodies.nodes] = s.acceleration[bodies.owner[bodies.nodes]]

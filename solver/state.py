@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .fields import Layout
 from .problem import Problem
 
 Floats = NDArray[np.float64]
@@ -14,12 +15,13 @@ Floats = NDArray[np.float64]
 
 @dataclass
 class State:
-    """Nodal values d (node, column) with columns u, v, w[, p]; velocity and acceleration (node, 3).
+    """Nodal values d (node, column), their columns as ``layout`` says; velocity and acceleration (node, 3).
 
     ``*_old`` are the values at the last converged step. ``reaction`` (node, 3) is the internal force. Two rows of each
     rigid body follow the nodes (:mod:`.rigid`).
     """
 
+    layout: Layout
     X: Floats
     d: Floats
     d_old: Floats
@@ -37,25 +39,41 @@ class State:
         X = problem.X
         if problem.bodies:
             X = np.vstack([X, *([b.centre, np.zeros(3)] for b in problem.bodies)])
-        n, c = len(X), 4 if problem.biphasic else 3
+        layout, n = problem.layout, len(X)
 
         def zeros(k: int) -> Floats:
             return np.zeros((n, k))
 
-        return cls(X, zeros(c), zeros(c), zeros(3), zeros(3), zeros(3), zeros(3), zeros(3))
+        c = layout.width
+        return cls(layout, X, zeros(c), zeros(c), zeros(3), zeros(3), zeros(3), zeros(3), zeros(3))
+
+    def of(self, name: str) -> Floats:
+        """A field (node, component)."""
+        return self.layout.view(self.d, name)
+
+    def displacements(self, d: Floats) -> Floats:
+        """The displacements (node, 3) of a nodal array, none where these are no unknowns."""
+        return self.layout.u(d) if len(self.layout.displacement) else np.zeros_like(self.X)
 
     @property
     def u(self) -> Floats:
-        return self.d[:, :3]
+        """Displacements (node, 3)."""
+        return self.displacements(self.d)
+
+    @property
+    def u_old(self) -> Floats:
+        """Displacements (node, 3) at the last converged step."""
+        return self.displacements(self.d_old)
 
     @property
     def p(self) -> Floats | None:
-        return self.d[:, 3] if self.d.shape[1] > 3 else None
+        """Fluid pressures (node,), None where the model has none."""
+        return self.layout.scalar(self.d, "fluid pressure") if "fluid pressure" in self.layout else None
 
     @property
     def x(self) -> Floats:
         """Current positions (node, 3)."""
-        return self.X + self.d[:, :3]
+        return self.X + self.u
 
     def copy(self) -> State:
         out = State(**{k: (v.copy() if isinstance(v, np.ndarray) else v) for k, v in vars(self).items()})  # type: ignore[arg-type]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .linear.base import Layout
-from .problem import P
+from .fields import DISPLACEMENT, PRESSURE
+from .linear.base import LinearError, Unknowns
 
 if TYPE_CHECKING:
     from .group import Chunk, Group
@@ -19,12 +19,18 @@ Floats = NDArray[np.float64]
 LEAST = 0.1  # of a block's median modulus: strained points may be softer, or not stiff at all
 
 
-def layout(system: System) -> Layout:
-    """The unknowns of a system's matrix rows."""
+def unknowns(system: System) -> Unknowns:
+    """The unknowns of a system's matrix rows. Raises LinearError where there are other fields than it knows."""
+    strange = [f.name for f in system.layout.fields if f not in (DISPLACEMENT, PRESSURE)]
+    if strange:
+        raise LinearError(f"the iterative linear solver does not take the field {strange[0]!r}: try --linear pardiso")
     node, column = np.nonzero(system.eqs.numbered)
     rows = system.eqs.rows
     node, column = node[rows], column[rows]
-    return Layout(system.state.X, node, column, lambda: storage(system, node[column == P]))
+    component = np.full(len(node), -1)
+    for k, c in enumerate(system.layout.displacement):
+        component[column == c] = k
+    return Unknowns(system.state.X, node, component, lambda: storage(system, node[component < 0]))
 
 
 def storage(system: System, nodes: NDArray[np.int64]) -> Any:
@@ -33,7 +39,7 @@ def storage(system: System, nodes: NDArray[np.int64]) -> Any:
 
     n, at = len(nodes), np.full(len(system.state.X), -1)
     at[nodes] = np.arange(n)
-    groups = [] if system.steady else [g for g in system.groups if g.block.mixture is not None]
+    groups = [] if system.steady else [g for g in system.groups if PRESSURE.name in g.fields]
     rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
     for g in groups:
         w = g.wJ0 * g.J / aggregate(g, system.state)
@@ -56,9 +62,5 @@ def _moduli(g: Group, c: Chunk, state: State) -> Floats:
     pts, n = c.points, (c.hi - c.lo) * g.g
     s, C = np.zeros((n, 6)), np.zeros((n, 6, 6))
     pts.t, pts.dt = state.time, state.dt
-    if g.block.formulation == "three-field":
-        g.block.solid.dev(pts, s, C)  # type: ignore[attr-defined]
-        C[:, :3, :3] += np.repeat(g.dilatation_modulus(c), g.g)[:, None, None]
-    else:
-        g.block.solid.stress(pts, s, C)
+    g.physics.moduli(c, s, C)
     return C[:, range(3), range(3)].mean(axis=1)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .fields import PRESSURE
 from .finite import whole
 from .group import Group
 from .kernels.pattern import scatter_any
@@ -14,10 +15,10 @@ from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
 from .pattern import FREE, HELD, Equations, Pattern
-from .problem import DYNAMIC, STEADY, P, Prescribed, Problem, Progress, Step
+from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
-from .tangent import Target, Workspace, add_chunk
+from .tangent import Target, Workspace
 
 if TYPE_CHECKING:
     from .rigid.bodies import Bodies
@@ -38,6 +39,7 @@ class System:
         bodies: Bodies | None = None,
     ) -> None:  # fmt: skip
         self.problem, self.step, self.groups, self.state, self.schedule = problem, step, groups, state, schedule
+        self.layout = state.layout
         self.bodies = bodies
         if bodies is not None:
             bodies.attach(state, [*problem.common.attached, *step.attached])
@@ -64,8 +66,9 @@ class System:
             if hasattr(load, "alpha"):
                 load.alpha = self.alphaf
         for b in self.body_loads:
-            # velocities follow displacements by Newmark's rule, in mixtures by backward Euler, else not at all
-            b.alpha, b.rate = self.alphaf, self.gamma / self.beta if self.dynamic else float(state.p is not None)
+            # velocities follow displacements by Newmark's rule, beside other fields by backward Euler, or not at all
+            mixed = float(len(self.layout.fields) > 1)
+            b.alpha, b.rate = self.alphaf, self.gamma / self.beta if self.dynamic else mixed
         for g in groups:
             g.alphaf = self.alphaf if g.shell else 1.0
         self._mass: Mass | None = None
@@ -92,17 +95,19 @@ class System:
             return None
         from .ties import Ties
 
-        return Ties(sources, self.state.d.shape)
+        return Ties(sources, self.state)
 
     def _active(self) -> NDArray[np.bool_]:
-        active = np.zeros(self.state.d.shape, bool)
+        active, u = np.zeros(self.state.d.shape, bool), self.layout.displacement
         for g in self.groups:
-            active[g.conn.ravel(), : g.columns] = True
+            own = np.zeros(len(active), bool)
+            own[g.conn] = True
+            active[np.ix_(own, g.columns)] = True
         for load in self.loads:
             if hasattr(load, "joins"):  # nodes of springs
-                active[load.joins, :3] = True
+                active[load.joins[:, None], u] = True
         if self.bodies is not None:
-            active[len(self.problem.X) :, :3] = True
+            active[len(self.problem.X) :, u] = True
         if self.ties is not None:
             active.reshape(-1)[self.ties.own] = False
         return active
@@ -120,27 +125,13 @@ class System:
         asked = self.step.newton.symmetric
         if asked:
             return True
-        own = all(
-            g.block.solid.symmetric
-            and (g.block.mixture is None or self._fluid_symmetric(g.block.mixture))
-            for g in self.groups
-        )
+        own = all(g.physics.symmetric(self.steady) for g in self.groups)
         if self.bodies is not None and self.dynamic:
             return False  # rotational inertia is not
-        if self.body_loads and any(self._swells(g) for g in self.groups):
+        if self.body_loads and any(g.physics.swells() for g in self.groups):
             return False
         acting = [*self.loads, *self.body_loads, *self.contacts]
-        return own and not self.steady and all(getattr(q, "symmetric", True) for q in acting)
-
-    @staticmethod
-    def _fluid_symmetric(mixture: Any) -> bool:
-        return not mixture.permeability.strain_dependent and mixture.supply is None
-
-    @staticmethod
-    def _swells(g: Group) -> bool:
-        """Does the mass of a block grow with its volume?"""
-        mix, pts = g.block.mixture, g.points()
-        return mix is not None and bool(np.any(mix.fluid_density(pts.t, pts.X, pts.e)))
+        return own and all(getattr(q, "symmetric", True) for q in acting)
 
     def _integrator(self) -> tuple[float, float, float, float]:
         """Newmark / generalised-alpha parameters (FEBio user manual, rhoi, alpha, beta, gamma)."""
@@ -157,8 +148,8 @@ class System:
 
     @property
     def mixed(self) -> bool:
-        """Are there pressures or penalties, so that pivots of very different size are sound?"""
-        return self.problem.biphasic or bool(self.augmented or self.contacts)
+        """Are there several fields or penalties, so that pivots of very different size are sound?"""
+        return len(self.layout.fields) > 1 or bool(self.augmented or self.contacts)
 
     @property
     def pattern(self) -> Pattern:
@@ -221,14 +212,14 @@ class System:
 
     def _rates(self) -> None:
         s = self.state
-        du = s.d[:, :3] - s.d_old[:, :3]
+        du = s.u - s.u_old
         if self.dynamic:
             a = 1.0 / (self.beta * s.dt)
             s.acceleration = du * (a / s.dt) - s.velocity_old * a + s.acceleration_old * (1 - 0.5 / self.beta)
             s.velocity = s.velocity_old + s.dt * (
                 (1 - self.gamma) * s.acceleration_old + self.gamma * s.acceleration
             )
-        elif s.p is not None and s.dt > 0:
+        elif len(s.layout.fields) > 1 and s.dt > 0:
             s.velocity = du / s.dt
         if self.bodies is not None:
             self.bodies.rates(s, self)
@@ -241,8 +232,8 @@ class System:
         if any(c.drains for c in self.contacts):
             self._find_dry()
             self._drain()
-        u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.d_old[:, :3]
-        drive = [b for b in self.body_loads if hasattr(b, "force")]
+        u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.u_old
+        drive = [b for b in self.body_loads if b.drives]
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
@@ -251,11 +242,7 @@ class System:
         self.schedule.map(work)
         if self.alphaf != 1.0 and s.dt > 0:
             for g in self.groups:
-                if g.shell and g.block.formulation == "three-field":
-                    g.end_pressure(s.u)
-        if self.alphaf == 0.5 and s.dt > 0:
-            for g in self.groups:
-                g.conserve(s.u, s.d_old[:, :3], s.dt)
+                g.physics.end(s, self.alphaf)
 
     def _find_dry(self) -> None:
         """Free pressures of porous surfaces that touch nothing."""
@@ -266,13 +253,14 @@ class System:
                 nodes, touching = contact.drained(self.state)
                 dry[nodes] = True
                 wet[touching] = True
-        dry &= ~wet & (self.eqs.kind[:, P] == FREE)
-        self.dry = self.eqs.eq[dry, P].astype(np.int64)
+        (p,) = self.layout.columns(PRESSURE.name)
+        dry &= ~wet & (self.eqs.kind[:, p] == FREE)
+        self.dry = self.eqs.eq[dry, p].astype(np.int64)
         self._dry_nodes = np.flatnonzero(dry)
 
     def _drain(self) -> None:
         if self.dry is not None:
-            self.state.d[self._dry_nodes, P] = 0.0
+            self.state.of(PRESSURE.name)[self._dry_nodes] = 0.0
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
@@ -283,13 +271,14 @@ class System:
             R = self._R[share.thread]
             R[:] = 0.0
             for g, lo, hi in share.spans:
-                g.residual(lo, hi, s, R, self.steady)
+                g.physics.residual(lo, hi, s, R, self.steady)
 
         self.schedule.map(work)
         total = self._R[0]
         for R in self._R[1:]:
             total += R
-        s.reaction = -total[:, :3].copy()
+        if len(self.layout.displacement):
+            s.reaction = -self.layout.u(total).copy()
         for load in self.loads:
             load.residual(s, total)
         for load in self.body_loads:
@@ -310,7 +299,8 @@ class System:
     def _inertia(self, total: Floats) -> None:
         s = self.state
         a = self.alpham * s.acceleration + (1 - self.alpham) * s.acceleration_old
-        total[:, :3] -= self.mass @ a
+        Ru = self.layout.u(total)
+        Ru -= self.mass @ a
         if self.bodies is not None:
             self.bodies.inertia_forces(s, total, self.alpham)
 
@@ -318,7 +308,7 @@ class System:
     def mass(self) -> Mass:
         """Consistent mass by referential density."""
         if self._mass is None:
-            self._mass = Mass(self.groups)
+            self._mass = Mass([g for g in self.groups if g.deforms])
         return self._mass
 
     # ---- tangent ----------------------------------------------------------------------------------
@@ -333,7 +323,7 @@ class System:
         def work(share: Share) -> None:
             for g, c in share.chunks:
                 try:
-                    add_chunk(g, c, self.state, target, self._work[share.thread], self.steady)
+                    g.physics.tangent(c, self.state, target, self._work[share.thread], self.steady)
                 except PoreCollapse as e:
                     raise g.named(e) from None
 
@@ -388,7 +378,7 @@ class System:
 
     def _add_mass(self, A: Matrix, step: Floats, Fd: Floats, scale: float) -> None:
         for g, M in self.mass.parts:
-            for i in range(3):
+            for i in self.layout.displacement:
                 self._add(A, scale * M, g.conn, np.full(g.n, i), step, Fd)
         if self.bodies is not None:
             for K, nodes, columns in self.bodies.inertia_tangent(self.state, self):

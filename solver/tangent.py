@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import prod
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -10,16 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels import biphasic, blocks, pattern, projection, solid, three_field
+from .kernels import blocks, pattern
 from .linear.base import Matrix
 from .pattern import Pattern
-from .state import State
 
 if TYPE_CHECKING:
-    from .group import Chunk, Group
+    from .group import Group
 
 Floats = NDArray[np.float64]
-CACHE = 600_000  # bytes of factors worked on at a time
 _NO_BLOCKS = np.empty((0, 0, 0))
 _NONE = np.empty((0, 0))
 
@@ -55,9 +52,15 @@ class Target:
 
     def add_blocks(self, g: Group, lo: int, hi: int, B: Floats, U: Floats) -> None:
         """Add upper blocks of elements lo:hi: contended ones one thread at a time."""
-        p, back = self.pat, self.pat.back(g)
-        contended = p.contended(g)[lo:hi]
-        rest = (p.row, p.given, p.lead, p.size, p.indptr, self.data, self.step, self.Fd)
+        p, nd = self.pat, len(g.columns) * g.n
+        at = p.unknowns(g)
+        if not at.ordered:  # the blocks are of the upper triangle for columns that ascend alone
+            K = np.empty((hi - lo, nd, nd))
+            blocks.expand(hi - lo, B, U, False, K)
+            self.add(g, lo, hi, K)
+            return
+        contended, back = p.contended(g)[lo:hi], p.back(g)
+        rest = (at.row, at.given, p.lead, at.size, p.indptr, self.data, self.step, self.Fd)
         pattern.scatter_upper(lo, hi, ~contended, B, U, g.conn, back, *rest)
         if contended.any():
             with self.lock:
@@ -65,7 +68,7 @@ class Target:
         if p.ties is not None:
             rows = p.tied(g, lo, hi)
             if len(rows):
-                K = np.empty((len(rows), g.columns * g.n, g.columns * g.n))
+                K = np.empty((len(rows), nd, nd))
                 blocks.expand(len(rows), B[rows - lo], U[rows - lo] if len(U) else U, False, K)
                 self._condense(g, rows, K)
 
@@ -73,16 +76,16 @@ class Target:
         """Add matrices K of elements ``rows`` at the masters of tied unknowns."""
         p = self.pat
         assert p.ties is not None
-        columns = np.repeat(np.arange(g.columns), g.n)
+        columns, nodes = np.repeat(g.columns, g.n), np.tile(g.conn[rows], (1, len(g.columns)))
         with self.lock:
-            p.ties.scatter(p.eqs, self.A, K, np.tile(g.conn[rows], (1, g.columns)), columns, self.step, self.Fb)
+            p.ties.scatter(p.eqs, self.A, K, nodes, columns, self.step, self.Fb)
 
     def add(self, g: Group, lo: int, hi: int, K: Floats) -> None:
-        """Add full matrices K (hi - lo, c n, c n) of elements lo:hi."""
-        p = self.pat
+        """Add full matrices K (hi - lo, c n, c n) of elements lo:hi, component-major over the group's columns."""
+        p, at = self.pat, self.pat.unknowns(g)
         with self.lock:
             pattern.scatter(
-                lo, hi, K, g.conn, p.back(g), p.row, p.given, p.lead, p.indptr, self.data, self.step, self.Fd,
+                lo, hi, K, g.conn, p.back(g), at.row, at.given, p.lead, p.indptr, self.data, self.step, self.Fd,
                 p.symmetric,
             )  # fmt: skip
         if p.ties is not None:
@@ -91,107 +94,26 @@ class Target:
                 self._condense(g, rows, K[rows - lo])
 
 
-@dataclass(slots=True)
-class _Laws:
-    """What the laws of a chunk give at its points (s, C, k, dk, supply) and in its elements (bulk)."""
-
-    s: Floats
-    C: Floats
-    k: Floats | None = None
-    dk: Floats | None = None
-    supply: tuple[Floats, Floats, Floats] | None = None
-    bulk: Floats | None = None
-
-    def part(self, elements: slice, points: slice) -> _Laws:
-        """Those of some of its elements."""
-        k, dk, supply, bulk = self.k, self.dk, self.supply, self.bulk
-        return _Laws(
-            self.s[points], self.C[points], None if k is None else k[points], None if dk is None else dk[points],
-            None if supply is None else (supply[0][points], supply[1][points], supply[2][points]),
-            None if bulk is None else bulk[elements].copy(),
-        )  # fmt: skip
-
-
-def add_chunk(g: Group, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
-    """Add the tangents of a chunk's elements to ``target``."""
-    q = (c.hi - c.lo) * g.g
-    laws = _Laws(work.zeros("s", q, 6), work.zeros("C", q, 6, 6))
-    pts, mix = c.points, g.block.mixture
-    pts.t, pts.dt = state.time, state.dt
-    if g.block.formulation == "three-field":
-        _three_field(g, c, laws.s, laws.C)
-        laws.bulk = g.dilatation_modulus(c)
-    else:
-        g.block.solid.stress(pts, laws.s, laws.C)
-    if mix is not None:
-        laws.k, laws.dk = g.permeability(c, tangent=True)
-        laws.supply = g.supply_tangent(c) if mix.supply is not None else None
-    size = max(8, CACHE // (8 * 3 * g.g * 7 * g.n))
-    for lo in range(c.lo, c.hi, size):
-        hi = min(lo + size, c.hi)
-        part = laws.part(slice(lo - c.lo, hi - c.lo), slice((lo - c.lo) * g.g, (hi - c.lo) * g.g))
-        _add(g, lo, hi, part, state.dt, target, work, steady)
-
-
-def _add(
-    g: Group, lo: int, hi: int, laws: _Laws, dt: float, target: Target, work: Workspace, steady: bool
-) -> None:  # fmt: skip
-    fluid, n, nd = laws.k is not None, hi - lo, g.n * g.columns
-    geometry = (g.dN, g.iJ0, g.wJ0, g.F, g.J)
-    stab = g.steady_pressure if fluid and not steady else None
-    extra = laws.dk is not None or laws.bulk is not None or laws.supply is not None or (fluid and steady)
-    if g.block.solid.symmetric:
-        B, U = _blocks(g, lo, hi, laws.s, laws.C, laws.k, dt, work)
-        if stab is not None:
-            projection.tangent(lo, hi, g.N, g.wJ0, stab, B, 6 * g.n, 0)
-        if target.pat.symmetric and not extra:
-            target.add_blocks(g, lo, hi, B, U)
-            return
-        K = work.take("K", n, nd, nd)
-        blocks.expand(n, B, U, steady, K)
-    else:
-        K = work.take("K", n, nd, nd)
-        se, Ce = laws.s.reshape(-1, g.g, 6), laws.C.reshape(-1, g.g, 6, 6)
-        if laws.k is None:
-            solid.stiffness(lo, hi, *geometry, se, Ce, K)
-        else:
-            biphasic.stiffness(lo, hi, g.N, *geometry, se, Ce, g.pg, laws.k, dt, steady, K)
-            if stab is not None:
-                projection.tangent(lo, hi, g.N, g.wJ0, stab, K, 3 * g.n, 3 * g.n)
-    if laws.dk is not None:
-        biphasic.permeability_coupling(lo, hi, *geometry, g.gp, laws.dk, dt, K)
-    if laws.supply is not None:
-        biphasic.supply_coupling(lo, hi, g.N, *geometry, *laws.supply, dt, K)
-    if laws.bulk is not None:
-        three_field.dilatation(lo, hi, *geometry, laws.bulk, K)
-    target.add(g, lo, hi, K)
-
-
-def _blocks(
-    g: Group, lo: int, hi: int, s: Floats, C: Floats, k: Floats | None, dt: float, work: Workspace
+def upper_blocks(
+    g: Group, lo: int, hi: int, s: Floats, C: Floats, work: Workspace, fluid: tuple[Floats, Floats, float] | None = None
 ) -> tuple[Floats, Floats]:
-    """Blocks (e, 6|7 n, n) and couplings (e, 3 n, n) of elements lo:hi; see :mod:`.kernels.blocks`."""
-    m, q, n, fluid = hi - lo, (hi - lo) * g.g, g.n, k is not None
-    R = (7 if fluid else 6) * n
+    """Blocks (e, 6|7 n, n) and couplings (e, 3 n, n) of elements lo:hi; see :mod:`.kernels.blocks`.
+
+    s (., 6), C (., 6, 6): stress and tangent of the solid at their points; ``fluid``: pressures (m, g), permeabilities
+    (., 6) at the points and the step size, for elements with a fluid pressure.
+    """
+    m, q, n = hi - lo, (hi - lo) * g.g, g.n
+    p, k, dt = (_NONE, _NONE, 0.0) if fluid is None else fluid
+    R = (6 if fluid is None else 7) * n
     T, G = work.take("T", q * 3 * R), work.take("G", q * 3 * n)
-    P = work.take("P", q * n if fluid else 0)
-    pg = g.pg if fluid else _NONE
-    blocks.factors(n, fluid)(
-        lo, hi, g.dN, g.iJ0, g.wJ0, g.F, g.J, s, C, g.N, pg, _NONE if k is None else k, dt, T, G, P
+    P = work.take("P", 0 if fluid is None else q * n)
+    blocks.factors(n, fluid is not None)(
+        lo, hi, g.dN, g.iJ0, g.wJ0, g.F, g.J, s, C, g.N, p, k, dt, T, G, P
     )
     B = work.take("B", m, R, n)
     np.matmul(T.reshape(m, 3 * g.g, R).transpose(0, 2, 1), G.reshape(m, 3 * g.g, n), out=B)
-    if not fluid:
+    if fluid is None:
         return B, _NO_BLOCKS
     U = work.take("U", m, 3 * n, n)
     np.matmul(G.reshape(m, g.g, 3 * n).transpose(0, 2, 1), P.reshape(m, g.g, n), out=U)
     return B, U
-
-
-def _three_field(g: Group, c: Chunk, s: Floats, C: Floats) -> None:
-    """Deviatoric law and the element pressure's share of stress and tangent."""
-    g.block.solid.dev(c.points, s, C)  # type: ignore[attr-defined]
-    p = np.repeat(g.ep[c.lo : c.hi], g.g)
-    s[:, :3] += p[:, None]
-    C[:, :3, :3] += p[:, None, None] * (1.0 - 2.0 * np.eye(3))
-    C[:, [3, 4, 5], [3, 4, 5]] -= p[:, None]

@@ -17,6 +17,7 @@ from .kernels import ties as kernels
 from .values import Value, as_value
 
 if TYPE_CHECKING:
+    from .fields import Layout
     from .linear.base import Matrix
     from .pattern import Equations
     from .state import State
@@ -28,7 +29,7 @@ Ints = NDArray[np.int64]
 class Source(Protocol):
     """Unknowns are flat indices into nodal arrays (node, column)."""
 
-    def tied(self, columns: int) -> tuple[Ints, Ints, Ints]:
+    def tied(self, layout: Layout) -> tuple[Ints, Ints, Ints]:
         """Tied unknowns (k,), how many masters each has (k,), and the masters one after another."""
         ...
 
@@ -55,9 +56,9 @@ class Constraints:
     def __init__(self, records: list[LinearConstraint]) -> None:
         self.records = records
 
-    def tied(self, columns: int) -> tuple[Ints, Ints, Ints]:
-        own = np.array([c.node * columns + c.column for c in self.records])
-        masters = np.concatenate([c.nodes * columns + c.columns for c in self.records])
+    def tied(self, layout: Layout) -> tuple[Ints, Ints, Ints]:
+        own = np.array([c.node * layout.width + c.column for c in self.records])
+        masters = np.concatenate([c.nodes * layout.width + c.columns for c in self.records])
         return own, np.array([len(c.nodes) for c in self.records]), masters
 
     def weights(self, s: State, alpha: float) -> Floats:
@@ -65,7 +66,7 @@ class Constraints:
 
     def enforce(self, s: State) -> None:
         """Move the tied unknowns."""
-        own, count, masters = self.tied(s.d.shape[1])
+        own, count, masters = self.tied(s.layout)
         d = s.d.reshape(-1)
         first = np.concatenate([[0], np.cumsum(count)[:-1]])
         d[own] = np.add.reduceat(self.weights(s, 1.0) * d[masters], first) + [c.offset for c in self.records]
@@ -74,9 +75,10 @@ class Constraints:
 class Ties:
     """All ties of an analysis step, as compressed rows over the unknowns."""
 
-    def __init__(self, sources: Sequence[Source], shape: tuple[int, ...]) -> None:
+    def __init__(self, sources: Sequence[Source], state: State) -> None:
+        shape = state.d.shape
         self.sources, self.columns = sources, shape[1]
-        parts = [q.tied(shape[1]) for q in sources]
+        parts = [q.tied(state.layout) for q in sources]
         self.own, count, masters = (np.concatenate([p[k] for p in parts]) for k in range(3))
         order = np.argsort(self.own, kind="stable")
         start = np.concatenate([[0], np.cumsum(count)])

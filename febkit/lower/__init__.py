@@ -8,6 +8,7 @@ from __future__ import annotations
 from febkit.model import InputError, Model, UnsupportedError, Where, as_record
 from febkit.model import Step as ModelStep
 from febkit.model.source import together
+from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
 from . import conditions, control, loads, materials, rigid, shells
@@ -41,6 +42,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         return None, ctx.refused
     ctx.rigid = rigid.bodies(ctx)
     blocks = materials.blocks(ctx)
+    ctx.layout = _layout(model, blocks)
     domains = {d.block: d for d in model.domains if d.kind == "shell"}
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
@@ -65,12 +67,18 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         raise InputError("the model has no solid domain", Where(model.file))
     if ctx.refused:
         return None, ctx.refused
-    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies), []
+    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies, ctx.layout), []
+
+
+def _layout(model: Model, blocks: list[Block]) -> Layout:
+    """The nodal fields of a model's module, and of its materials."""
+    own = [DISPLACEMENT, PRESSURE] if model.module == "biphasic" else [DISPLACEMENT]
+    return Layout.of(own, *(b.physics.fields for b in blocks))
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
     """The midpoint rule's energy-conserving stress is not there for element-mean pressures of solids."""
-    three = any(b.formulation == "three-field" and not b.element.startswith("shell_") for b in blocks)
+    three = any(b.physics.name == "three-field" and not b.element.startswith("shell_") for b in blocks)
     for s, spec in zip(steps, ctx.model.steps):
         if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and three:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)

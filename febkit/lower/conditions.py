@@ -6,12 +6,10 @@ import numpy as np
 
 from febkit.model import Component, InputError
 from febkit.model.sets import node_indices
-from febkit.solver.problem import UX, UY, UZ, Fixed, Initial, P, Prescribed
+from febkit.solver.problem import Fixed, Initial, Prescribed
 
 from .context import Context
 
-AXES = {"x": UX, "y": UY, "z": UZ}
-COLUMN = {**AXES, "p": P}
 # FEBio writes these with every condition; they mean nothing here
 META = frozenset({"name"})
 
@@ -42,12 +40,12 @@ def _nodes(ctx: Context, c: Component) -> np.ndarray:
 def _zero_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"x_dof", "y_dof", "z_dof"})
     nodes = _nodes(ctx, c)
-    return [Fixed(k, nodes) for axis, k in AXES.items() if c.bool(f"{axis}_dof")]
+    return [Fixed(ctx.column(axis, c), nodes) for axis in "xyz" if c.bool(f"{axis}_dof")]
 
 
 def _zero_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, set())
-    return [Fixed(P, _nodes(ctx, c))] if ctx.model.module == "biphasic" else []
+    return [Fixed(ctx.column("p", c), _nodes(ctx, c))] if ctx.layout.has("p") else []
 
 
 def _prescribed(ctx: Context, c: Component, column: int) -> list[Fixed | Prescribed]:
@@ -66,22 +64,22 @@ def _back(ctx: Context, c: Component) -> np.ndarray:
 def _zero_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"sx_dof", "sy_dof", "sz_dof"})
     nodes = _back(ctx, c)
-    return [Fixed(k, nodes) for axis, k in AXES.items() if c.bool(f"s{axis}_dof")]
+    return [Fixed(ctx.column(axis, c), nodes) for axis in "xyz" if c.bool(f"s{axis}_dof")]
 
 
 def _prescribed_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"dof", "value", "relative"})
-    column = c.need("dof").as_choice({f"s{axis}": k for axis, k in AXES.items()})
+    column = ctx.column(c.need("dof").as_choice({f"s{axis}": axis for axis in "xyz"}), c)
     nodes = _back(ctx, c)
     return [Prescribed(column, nodes, ctx.value(c.child("value"), 0.0), c.bool("relative"))]
 
 
 def _prescribed_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
-    return _prescribed(ctx, c, c.need("dof").as_choice(AXES))
+    return _prescribed(ctx, c, ctx.column(c.need("dof").as_choice({axis: axis for axis in "xyz"}), c))
 
 
 def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
-    return _prescribed(ctx, c, P)
+    return _prescribed(ctx, c, ctx.column("p", c))
 
 
 READERS = {
@@ -101,21 +99,13 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
         kind = c.type or ""
         if kind in ("displacement", "velocity"):
             v = ctx.vector(c.need("value"))
-            out += [Initial(k, _nodes(ctx, c), x, velocity=kind == "velocity") for k, x in zip(AXES.values(), v)]
+            nodes, rate = _nodes(ctx, c), kind == "velocity"
+            out += [Initial(ctx.column(axis, c), nodes, x, velocity=rate) for axis, x in zip("xyz", v)]
         elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
-            if _flows(ctx, c):
-                out.append(Initial(P, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+            out.append(Initial(ctx.column("p", c), _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
         elif kind == "init_dof":
-            column = c.need("dof").as_choice(COLUMN)
-            if column != P or _flows(ctx, c):
-                out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+            column = ctx.column(c.need("dof").as_choice({dof: dof for dof in "xyzp"}), c)
+            out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
         else:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     return out
-
-
-def _flows(ctx: Context, c: Component) -> bool:
-    """Refuses a pressure of a model that has none, as FEBio does."""
-    if ctx.model.module == "biphasic":
-        return True
-    raise InputError(f'{c.what}: a "{ctx.model.module}" model has no fluid pressure', c.where)

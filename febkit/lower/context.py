@@ -22,6 +22,7 @@ from febkit.model import (
     values,
 )
 from febkit.model.sets import element_ids, map_items, node_indices
+from febkit.solver.fields import Layout
 from febkit.solver.values import Constant, Expression, Map, Scaled, Value
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class Context:
         self.model = model
         self.refused: list[UnsupportedError] = []
         self._controllers: dict[int, Controller] = {}
+        self.layout = Layout([])  # of the nodal fields, once the materials are known
         self.X = model.mesh.X  # nodes of the problem: the mesh's, then back nodes of shells
         self.rigid: dict[str, Body] = {}  # rigid bodies by the name of their material
         self.centres: list[np.ndarray] = []  # and their centres, by index
@@ -70,6 +72,14 @@ class Context:
     def refuse(self, what: str, where: Where | None = None) -> None:
         """Note a feature that febkit does not solve."""
         self.refused.append(UnsupportedError(f"{what} is not supported by febkit's solver", where))
+
+    # ---- nodal fields -----------------------------------------------------------------------------
+    def column(self, dof: str, c: Component) -> int:
+        """Column of a degree of freedom by FEBio's name. Raises InputError where the model has none."""
+        if not self.layout.has(dof):
+            what = {"p": "fluid pressure"}.get(dof, f'degree of freedom "{dof}"')
+            raise InputError(f'{c.what}: a "{self.model.module}" model has no {what}', c.where)
+        return self.layout.column(dof)
 
     # ---- controllers ------------------------------------------------------------------------------
     def controller(self, number: int, leaf: Component) -> Controller:

@@ -9,8 +9,8 @@ import numpy as np
 
 from febkit.model import Component, Domain, InputError, Where, values
 from febkit.model.sets import missing
-from febkit.solver import permeabilities, supplies
-from febkit.solver.problem import Augment, Block, Mixture
+from febkit.solver import permeabilities, physics, supplies
+from febkit.solver.problem import Block
 from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
 
@@ -68,7 +68,7 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
         return None
     mixture, top = None, spec
     if spec.type == "biphasic":
-        mixture = _mixture(ctx, spec, d.block)
+        mixture = _biphasic(ctx, spec, d.block)
         spec = spec.need("solid")
     solid = record(ctx, spec, "solid", d.block)
     if solid is None:
@@ -77,22 +77,22 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
         for node in solid.walk():
             if hasattr(node, "phi0"):  # porous solids take the porosity of the mixture
                 node.phi0 = mixture.phi0
-    block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture)
+    block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture or physics.default())
     if ctx.model.mesh_data:
         block.axes = _axes().element_axes(ctx, d.block)
     own = top.child("mat_axis")
     if mixture is not None and own is not None:
         solid.mat_axis = _axes().mat_axis(ctx, own, d.block)
     if d.kind == "solid":
-        _formulation(ctx, d, block)
+        _formulation(ctx, d, block, mixture is not None)
     elif mixture is not None:
         ctx.refuse(f'a biphasic shell (part "{d.block}")', d.where)
     elif solid.uncoupled and shells.three_field(d, mesh.type):
-        block.formulation = "three-field"
+        block.physics = physics.load("three-field")()
     return block
 
 
-def _formulation(ctx: Context, d: Domain, block: Block) -> None:
+def _formulation(ctx: Context, d: Domain, block: Block, mixture: bool) -> None:
     """FEBio's rule for which formulation an element gets, and the options of <SolidDomain>."""
     options = d.spec
     if d.type in ("ut4-solid", "remodeling-solid", "udg-hex", "sri-solid", "rigid-solid"):
@@ -104,21 +104,28 @@ def _formulation(ctx: Context, d: Domain, block: Block) -> None:
 
             name, rule, _ = elements.from_spec(options.str("elem_type"))  # noqa: RUF059
             block.rule = rule
-    can = block.element in THREE_FIELD and block.solid.uncoupled and block.mixture is None
+    can = block.element in THREE_FIELD and block.solid.uncoupled and not mixture
     three = d.type == "three-field-solid" or (can and d.type in (None, ""))
-    if three and block.solid.uncoupled and block.mixture is None:
-        block.formulation = "three-field"
-        if options is not None and options.bool("laugon"):
-            block.augment = Augment(options.float("atol", 0.01), options.int("minaug", 0), options.int("maxaug", 0))
+    if three and block.solid.uncoupled and not mixture:
+        block.physics = physics.load("three-field")(_augment(options))
 
 
-def _mixture(ctx: Context, spec: Component, part: str) -> Mixture:
+def _augment(options: Component | None) -> Any:
+    """How the element pressures of a three-field domain are augmented, where they are."""
+    if options is None or not options.bool("laugon"):
+        return None
+    from febkit.solver.physics.three_field import Augment
+
+    return Augment(options.float("atol", 0.01), options.int("minaug", 0), options.int("maxaug", 0))
+
+
+def _biphasic(ctx: Context, spec: Component, part: str) -> Any:
     ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "density", "mat_axis"})  # noqa: E501
     if spec.float("tau", 0.0):
         ctx.refuse("<tau> (flux relaxation) of a biphasic material", spec.need("tau").where)
     perm = _law(ctx, spec.need("permeability"), permeabilities, part)
     supply = spec.child("solvent_supply")
-    return Mixture(
+    return physics.load("biphasic")(
         perm,
         ctx.value(spec.child("phi0"), 0.0, part),
         ctx.value(spec.child("fluid_density"), 0.0, part),

@@ -73,7 +73,8 @@ def make(ctx: Context) -> list[RigidBody]:
     """The bodies, with mass and centre; ``ctx.X`` must be complete."""
     if not ctx.rigid:
         return []
-    from febkit.solver.rigid.body import Inert, Part, RigidBody
+    from febkit.solver.rigid.body import Part, RigidBody
+    from febkit.solver.solids.inert import Inert
 
     named = {m.name: m for m in ctx.model.materials}
     domains = {d.block: d for d in ctx.model.domains}
@@ -117,7 +118,7 @@ def body(ctx: Context, c: Component, tag: str = "rb") -> int:
 
 def place(ctx: Context, index: int, dof: int) -> tuple[int, np.ndarray]:
     """Column and row of an unknown of a body: 0 to 2 its displacement, 3 to 5 its rotation."""
-    return dof % 3, np.array([len(ctx.X) + 2 * index + dof // 3])
+    return int(ctx.layout.displacement[dof % 3]), np.array([len(ctx.X) + 2 * index + dof // 3])
 
 
 def fill(ctx: Context, out: Step, spec: ModelStep) -> None:

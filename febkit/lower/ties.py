@@ -12,7 +12,6 @@ from febkit.solver.loads import springs
 from febkit.solver.problem import Step
 from febkit.solver.ties import LinearConstraint
 
-from .conditions import COLUMN
 from .context import Context
 from .materials import curve
 
@@ -79,9 +78,9 @@ def _place(ctx: Context, node: int, dof: str, where: Where) -> tuple[int, int]:
         n, dof = int(ctx.back[n]), dof[1]
         if n < 0:
             raise InputError(f"node {node} belongs to no shell", where)
-    if dof not in COLUMN or (dof == "p" and ctx.model.module != "biphasic"):
+    if not ctx.layout.has(dof):
         raise InputError(f"a linear constraint cannot act on {dof!r}", where)
-    return n, COLUMN[dof]
+    return n, ctx.layout.column(dof)
 
 
 def _end(ctx: Context, c: Component) -> tuple[int, int]:

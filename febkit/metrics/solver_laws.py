@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from febkit.model import Model
+    from febkit.solver.physics.biphasic import Biphasic
     from febkit.solver.points import Points
     from febkit.solver.problem import Block
 
@@ -53,7 +54,7 @@ class SolverLaws:
     def permeability(self, group: Group) -> Permeability:
         """Spatial permeability of the mixture."""
         block = self._block(group)
-        mixture = block.mixture
+        mixture = _mixture(block)
         if mixture is None:
             raise UnsupportedError(f"the material of part {block.name!r} carries no fluid")
 
@@ -68,9 +69,10 @@ class SolverLaws:
     def supply(self, group: Group) -> Supply | None:
         """Solvent supply of the mixture, None where it has none."""
         block = self._block(group)
-        if block.mixture is None or block.mixture.supply is None:
+        mixture = _mixture(block)
+        if mixture is None or mixture.supply is None:
             return None
-        source = block.mixture.supply
+        source = mixture.supply
 
         def law(F: Floats, J: Floats, p: Floats, t: float) -> Floats:
             out = np.zeros(J.size)
@@ -111,6 +113,13 @@ class SolverLaws:
         if (block.ids[at] != ids).any():
             raise InputError(f"the model's part {block.name!r} has other elements than the result's")
         return np.asarray(at)
+
+
+def _mixture(block: Block) -> Biphasic | None:
+    """The physics of a block with a fluid, None where it has none."""
+    from febkit.solver.physics.biphasic import Biphasic
+
+    return block.physics if isinstance(block.physics, Biphasic) else None
 
 
 def _components_first(v: Floats, J: Floats) -> Floats:

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit.solver import physics
+from febkit.solver.points import VOIGT
+
 if TYPE_CHECKING:
     from febkit.solver.group import Group
     from febkit.solver.run import Run
@@ -18,9 +21,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Nodal = Callable[["Run"], Floats]
 Domain = Callable[["Group"], "Floats | None"]
-
-VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-
 
 def voigt(T: Floats) -> Floats:
     """Symmetric tensors (..., 3, 3) as (..., 6): xx yy zz xy yz xz."""
@@ -33,13 +33,10 @@ def _mean(values: Floats) -> Floats:
 
 
 # ---- integration points -----------------------------------------------------------------------------
-def point_stress(g: Group) -> Floats:
-    """Cauchy stress (m, g, 6): total in a mixture (solid - p I)."""
-    if g.block.mixture is None:
-        return g.s
-    s = g.s.copy()
-    s[..., :3] -= g.pg[..., None]
-    return s
+def at_points(g: Group, name: str) -> Floats | None:
+    """What the physics of a group offers under FEBio's name, at its points (m, g[, component]); None: nothing."""
+    give = g.physics.outputs.get(name)
+    return None if give is None else give(g.physics)
 
 
 def point_strain(g: Group) -> Floats:
@@ -55,45 +52,9 @@ def _stretch(g: Group, left: bool, function: Callable[[Floats], Floats]) -> Floa
     return voigt(np.einsum("egik,egk,egjk->egij", v, function(np.sqrt(w)), v))
 
 
-def _energy(g: Group) -> Floats | None:
-    try:
-        W = g.block.solid.energy(g.points())
-    except NotImplementedError:
-        return None
-    if g.block.formulation == "three-field":
-        law = g.block.solid
-        pts = g.points()
-        W = law.dev_energy(pts) + law.volumetric(np.repeat(g.eJ, g.g), pts)  # type: ignore[attr-defined]
-    return np.broadcast_to(W, (g.m * g.g,)).reshape(g.m, g.g)
-
-
 def _density(g: Group) -> Floats:
     rho = np.broadcast_to(g.block.solid.density(g.points()), (g.m * g.g,)).reshape(g.m, g.g)
     return rho / g.J
-
-
-def _solid_fraction(g: Group) -> Floats | None:
-    if g.block.mixture is None:
-        return None
-    pts = g.points()
-    return np.broadcast_to(g.block.mixture.phi0(pts.t, pts.X, pts.e), (g.m * g.g,)).reshape(g.m, g.g)
-
-
-def _porosity(g: Group) -> Floats | None:
-    phi = _solid_fraction(g)
-    return None if phi is None else np.maximum(1.0 - phi / g.J, 0.0)
-
-
-def _load_support(g: Group) -> Floats | None:
-    """Interstitial fluid load support -p / sigma_n of the mean stress: here -3 p / tr sigma."""
-    if g.block.mixture is None:
-        return None
-    trace = point_stress(g)[..., :3].sum(axis=-1)
-    return np.divide(-3.0 * g.pg, trace, out=np.zeros_like(trace), where=trace != 0)
-
-
-def _fluid(name: str) -> Domain:
-    return lambda g: None if g.block.mixture is None else _mean(getattr(g, name))
 
 
 def _nodes(values: Floats, g: Group) -> Floats:
@@ -113,11 +74,28 @@ def _gradient(g: Group) -> Floats:
     return g.F.reshape(g.m, g.g, 9)
 
 
-def _pk1(g: Group) -> Floats:
+def _pk1(g: Group) -> Floats | None:
     """First Piola-Kirchhoff stress J sigma F^-T (m, g, 9)."""
-    s = point_stress(g)[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(g.m, g.g, 3, 3)
+    stress = at_points(g, "stress")
+    if stress is None:
+        return None
+    s = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(g.m, g.g, 3, 3)
     P = g.J[..., None, None] * np.einsum("egik,egjk->egij", s, np.linalg.inv(g.F))
     return P.reshape(g.m, g.g, 9)
+
+
+def _specific_energy(g: Group) -> Floats | None:
+    """Strain energy per mass (m, g)."""
+    W = at_points(g, "strain energy density")
+    return None if W is None else W / (_density(g) * g.J)
+
+
+def _at_nodes(values: Callable[[Group], Floats | None]) -> Domain:
+    def field(g: Group) -> Floats | None:
+        v = values(g)
+        return None if v is None else _nodes(v, g)
+
+    return field
 
 
 def _shell(g: Group) -> bool:
@@ -132,8 +110,6 @@ NODAL: dict[str, Nodal] = {
 }
 
 DOMAIN: dict[str, Domain] = {
-    "stress": _item(point_stress),
-    "solid stress": _item(lambda g: g.s),
     "Lagrange strain": _item(point_strain),
     "infinitesimal strain": _item(lambda g: voigt(0.5 * (g.F + np.swapaxes(g.F, -1, -2)) - np.eye(3))),
     "right stretch": _item(lambda g: _stretch(g, False, lambda x: x)),
@@ -144,24 +120,14 @@ DOMAIN: dict[str, Domain] = {
     "deformation gradient": _item(_gradient),
     "PK1 stress": _item(_pk1),
     "density": _item(_density),
-    "strain energy density": _item(_energy),
-    "specific strain energy": _item(
-        lambda g: None if _energy(g) is None else _energy(g) / (_density(g) * g.J)  # type: ignore[operator]
-    ),
-    "fluid pressure": _fluid("pg"),
-    "fluid flux": _fluid("w"),
-    "fluid load support": _item(_load_support),
-    "porosity": _item(_porosity),
-    "referential solid volume fraction": _item(_solid_fraction),
-    "nodal stress": lambda g: None if _shell(g) else _nodes(point_stress(g), g),
-    "nodal strain": lambda g: None if _shell(g) else _nodes(point_strain(g), g),
-    "nodal fluid flux": lambda g: None if g.block.mixture is None else _nodes(g.w, g),
+    "specific strain energy": _item(_specific_energy),
+    "nodal stress": _at_nodes(lambda g: None if _shell(g) else at_points(g, "stress")),
+    "nodal strain": _at_nodes(lambda g: None if _shell(g) else point_strain(g)),
+    "nodal fluid flux": _at_nodes(lambda g: at_points(g, "fluid flux")),
 }
 
-# per-domain nodal fields: values over all nodes, written for the groups that have them
-DOMAIN_NODAL: dict[str, tuple[Nodal, Callable[[Group], bool]]] = {
-    "effective fluid pressure": (lambda r: r.state.d[:, 3], lambda g: g.block.mixture is not None),
-}
+# nodal fields by domain: plot variable -> nodal field (solver.fields), written for the groups that solve for it
+DOMAIN_NODAL: dict[str, str] = {"effective fluid pressure": "fluid pressure"}
 
 
 # means over integration points of nodal fields
@@ -190,5 +156,12 @@ def on_surfaces(run: Run, name: str) -> dict[str, Floats]:
     return out
 
 
+def domain(name: str) -> Domain:
+    """Values of a domain variable for a group: kinematics, or what its physics offers."""
+    return DOMAIN.get(name) or _item(lambda g: at_points(g, name))
+
+
 def known(name: str) -> bool:
-    return any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE))
+    if any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE)):
+        return True
+    return any(name in physics.load(p).work.outputs for p in physics.FILES)

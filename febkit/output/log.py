@@ -47,7 +47,7 @@ class LogListener(Listener):
         self.write(f"\tNr of threads ............................. : {run.team.n}\n\n")
         for g in run.groups:
             law = type(g.block.solid).__name__
-            self.write(f"\tpart {g.block.name}: {g.m} {g.block.element}, {law}, {g.block.formulation}\n")
+            self.write(f"\tpart {g.block.name}: {g.m} {g.block.element}, {law}, {g.block.physics.name}\n")
         self.write("\n")
 
     def begin_analysis(self, run: Run) -> None:

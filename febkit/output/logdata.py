@@ -25,13 +25,13 @@ def _nodal(run: Run) -> dict[str, Callable[[], Floats]]:
     s = run.state
     out: dict[str, Callable[[], Floats]] = {}
     for k, axis in enumerate("xyz"):
-        out[axis] = lambda k=k: s.X[:, k] + s.d[:, k]  # type: ignore[misc]
-        out[f"u{axis}"] = lambda k=k: s.d[:, k]  # type: ignore[misc]
+        out[axis] = lambda k=k: s.x[:, k]  # type: ignore[misc]
+        out[f"u{axis}"] = lambda k=k: s.u[:, k]  # type: ignore[misc]
         out[f"v{axis}"] = lambda k=k: s.velocity[:, k]  # type: ignore[misc]
         out[f"a{axis}"] = lambda k=k: s.acceleration[:, k]  # type: ignore[misc]
         out[f"R{axis}"] = lambda k=k: s.reaction[:, k]  # type: ignore[misc]
     if s.p is not None:
-        out["p"] = lambda: s.d[:, 3]
+        out["p"] = lambda: s.of("fluid pressure").ravel()
     return out
 
 
@@ -48,20 +48,20 @@ def _elements(run: Run) -> dict[str, Callable[[], Floats]]:
 
         return values
 
-    out: dict[str, Callable[[], Floats]] = {"J": each(fields.DOMAIN["relative volume"], 0)}
+    out: dict[str, Callable[[], Floats]] = {"J": each(fields.domain("relative volume"), 0)}
     for axis, k in VOIGT.items():
-        out[f"s{axis}"] = each(fields.DOMAIN["stress"], k)
-        out[f"E{axis}"] = each(fields.DOMAIN["Lagrange strain"], k)
+        out[f"s{axis}"] = each(fields.domain("stress"), k)
+        out[f"E{axis}"] = each(fields.domain("Lagrange strain"), k)
     for i in range(3):
-        out[f"s{i + 1}"] = each(_principal(fields.DOMAIN["stress"]), i)
-        out[f"E{i + 1}"] = each(_principal(fields.DOMAIN["Lagrange strain"]), i)
+        out[f"s{i + 1}"] = each(_principal(fields.domain("stress")), i)
+        out[f"E{i + 1}"] = each(_principal(fields.domain("Lagrange strain")), i)
         for j in range(3):
-            out[f"F{'xyz'[i]}{'xyz'[j]}"] = each(fields.DOMAIN["deformation gradient"], 3 * i + j)
+            out[f"F{'xyz'[i]}{'xyz'[j]}"] = each(fields.domain("deformation gradient"), 3 * i + j)
     for k, axis in enumerate("xyz"):
-        out[f"w{axis}"] = each(fields.DOMAIN["fluid flux"], k)
+        out[f"w{axis}"] = each(fields.domain("fluid flux"), k)
         out[axis] = each(lambda g: run.state.x[g.conn].mean(axis=1), k)
-    out["p"] = each(fields.DOMAIN["fluid pressure"], 0)
-    out["sed"] = each(fields.DOMAIN["strain energy density"], 0)
+    out["p"] = each(fields.domain("fluid pressure"), 0)
+    out["sed"] = each(fields.domain("strain energy density"), 0)
     return out
 
 

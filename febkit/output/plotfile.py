@@ -98,13 +98,13 @@ class PlotListener(Listener):
             if group is None:  # a rigid part deforms nowhere
                 continue
             if nodal is not None:
-                if nodal[1](group):
-                    out[k + 1] = single(nodal[0](run)[domain.nodes()], name)
+                if nodal in group.fields:
+                    out[k + 1] = single(run.state.of(nodal)[domain.nodes()].squeeze(axis=-1), name)
                 continue
             if name in fields.INTERPOLATED:
                 v: Any = fields.interpolated(fields.INTERPOLATED[name](run), group)
             else:
-                v = fields.DOMAIN[name](group)
+                v = fields.domain(name)(group)
             if v is not None:
                 out[k + 1] = single(v, name)
         return out

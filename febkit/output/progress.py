@@ -61,7 +61,8 @@ class ProgressListener(Listener):
         self._show(f"step {self._step}  t = {t:.4g}")
 
     def iteration(self, run: Run, it: Iteration) -> None:
-        u = it.norms["displacement"]
+        name = run.state.layout.fields[0].name
+        u = it.norms[name]
         ratio = (u.now / u.required) ** 0.5 if u.required > 0 else 0.0
         self._show(f"step {self._step}  t = {it.time:.4g}  iteration {it.number}  |du|/tol = {ratio:.1e}")
 

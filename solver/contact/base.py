@@ -118,11 +118,11 @@ class Side:
         o = self.other
         kernels.partners(o.T, x, o.conn, o.count, self.partner, self.rs, self.M, self.place)
 
-    def spread(self, t: Floats, R: Floats) -> None:
-        """Add forces t (q, 3) of the points on both surfaces to R."""
+    def spread(self, state: State, t: Floats, R: Floats) -> None:
+        """Add forces t (q, 3) of the points on both surfaces to R (node, column)."""
         o = self.other
         kernels.spread(
-            self.conn, self.count, self.facet, self.N, o.conn, o.count, self.partner, self.M, t, R
+            self.conn, self.count, self.facet, self.N, o.conn, o.count, self.partner, self.M, t, state.layout.u(R)
         )  # fmt: skip
 
     def pairs(self, active: NDArray[np.bool_]) -> Iterator[tuple[Ints, int, int, Ints]]:
@@ -154,10 +154,10 @@ class Side:
             setattr(self, k, v.copy())
 
 
-def matrices(nodes: Ints) -> tuple[Floats, Ints, Ints]:
+def matrices(state: State, nodes: Ints) -> tuple[Floats, Ints, Ints]:
     """Zero matrices over the displacements of ``nodes`` (m, n), node by node, with their unknowns."""
     m, n = nodes.shape
-    return np.zeros((m, 3 * n, 3 * n)), np.repeat(nodes, 3, axis=1), np.tile(np.arange(3), n)
+    return np.zeros((m, 3 * n, 3 * n)), np.repeat(nodes, 3, axis=1), np.tile(state.layout.displacement, n)
 
 
 @dataclass(eq=False)

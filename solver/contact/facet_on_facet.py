@@ -99,7 +99,7 @@ class FacetOnFacet(Contact):
         for s in self.passes:
             assert isinstance(s, ClosestSide)
             f = self.pressure(s, state) * s.reference_area
-            s.spread(f[:, None] * s.partner_normals, R)
+            s.spread(state, f[:, None] * s.partner_normals, R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
@@ -109,7 +109,7 @@ class FacetOnFacet(Contact):
             touching = (s.partner >= 0) & (s.multiplier + eps * s.gap >= 0.0)
             stiff, force = eps * s.reference_area, self.pressure(s, state) * s.reference_area
             for rows, a, b, nodes in s.pairs(touching):
-                K, unknowns, columns = matrices(nodes)
+                K, unknowns, columns = matrices(state, nodes)
                 kernels.stiffness(
                     o.T, state.x, o.conn, s.partner, s.rs, rows, a, b, s.N, s.M, s.partner_normals, s.gap, stiff, force,
                     self.knmult, K,

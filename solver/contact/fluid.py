@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields import PRESSURE
 from ..kernels import contact_flow as kernels
 from .base import Side
 from .surface import Floats, Ints, Surface
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 def porous(surface: Surface, groups: list[Group]) -> NDArray[np.bool_]:
     """Does the element behind each facet (f,) hold fluid?"""
     out = np.zeros(len(surface.conn), bool)
-    wet = np.array([g.block.mixture is not None for g in groups] + [False])
+    wet = np.array([PRESSURE.name in g.fields for g in groups] + [False])
     for kind, rows in surface.kinds:
         if kind in surface.given.owner:
             out[rows] = wet[surface.given.owner[kind][:, 0]]
@@ -28,7 +29,8 @@ def porous(surface: Surface, groups: list[Group]) -> NDArray[np.bool_]:
 
 def pressures(s: Side, state: State) -> tuple[Floats, Floats]:
     """Fluid pressures (q,) at the points and at their partners."""
-    p = state.d[:, 3]
+    p = state.p
+    assert p is not None
     own = (s.N * p[np.maximum(s.conn, 0)][s.facet]).sum(axis=1)
     other = (s.M * p[np.maximum(s.other.conn, 0)][s.partner]).sum(axis=1)
     return own, np.where(s.partner >= 0, other, 0.0)
@@ -39,14 +41,14 @@ def both(s: Side, here: NDArray[np.bool_], there: NDArray[np.bool_]) -> NDArray[
     return here[s.facet] & there[s.partner] & (s.partner >= 0)
 
 
-def spread(s: Side, f: Floats, R: Floats) -> None:
+def spread(state: State, s: Side, f: Floats, R: Floats) -> None:
     """Add f (q,) to the rows of the pressures, primary nodes gaining what secondary ones lose."""
-    o = s.other
-    kernels.spread(s.conn, s.count, s.facet, s.N, o.conn, o.count, s.partner, s.M, f, R)
+    o, Rp = s.other, state.layout.scalar(R, PRESSURE.name)
+    kernels.spread(s.conn, s.count, s.facet, s.N, o.conn, o.count, s.partner, s.M, f, Rp)
 
 
-def unknowns(nodes: Ints) -> tuple[Floats, Ints, Ints]:
+def unknowns(state: State, nodes: Ints) -> tuple[Floats, Ints, Ints]:
     """Zero matrices over the displacements of ``nodes`` (m, n), node by node, and then their pressures."""
     m, n = nodes.shape
-    columns = np.concatenate([np.tile(np.arange(3), n), np.full(n, 3)])
+    columns = np.concatenate([np.tile(state.layout.displacement, n), np.repeat(state.layout.columns(PRESSURE.name), n)])
     return np.zeros((m, 4 * n, 4 * n)), np.hstack([np.repeat(nodes, 3, axis=1), nodes]), columns

@@ -63,7 +63,7 @@ class NodeFriction(NodeOnFacet):
             o, t = s.other, self.tangential(s, self.fric_coeff * self.pressure(s, state), self.fric_penalty)
             kernels.force(
                 o.T, state.x, s.surface.nodes, o.conn, o.count, s.partner, s.rs, s.N, s.M, s.partner_normals, s.gap, t,
-                s.reference_area, R,
+                s.reference_area, state.layout.u(R),
             )  # fmt: skip
 
     def stiffness(self, state: State) -> Matrices:
@@ -74,7 +74,7 @@ class NodeFriction(NodeOnFacet):
             T = self.tangential(s, np.full(s.n, np.inf), 1.0)
             o, sticks = s.other, (s.gap >= 0.0) & (_size(s.metric, T) <= self.fric_coeff * self.pressure(s, state))
             for rows, _, b, nodes in s.pairs(sticks):
-                K, unknowns, columns = matrices(nodes)
+                K, unknowns, columns = matrices(state, nodes)
                 kernels.stick(
                     o.T, state.x, o.conn, s.partner, s.rs, rows, b, s.N, s.M, s.partner_normals, s.gap, s.metric,
                     self.fric_penalty * s.reference_area, K,

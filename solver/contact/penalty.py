@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..group import VOIGT
-from ..points import Points
+from ..points import VOIGT, Points
 from .surface import Floats, Ints, Surface
 
 if TYPE_CHECKING:
@@ -90,8 +89,5 @@ def _modulus(g: Group, e: Ints, n: Floats) -> Floats:
 
 def _permeability(g: Group, e: Ints, n: Floats) -> Floats:
     """n . k . n of elements e."""
-    if g.block.mixture is None:
-        return np.zeros(len(e))
-    pts, k = _at_rest(g, e), np.zeros((len(e), 6))
-    g.block.mixture.permeability.permeability(pts, g.block.mixture.phi0(pts.t, pts.X, pts.e), k, None)
-    return np.asarray((_product(n) * k).sum(axis=1))
+    k = g.physics.permeability(_at_rest(g, e))
+    return np.zeros(len(e)) if k is None else np.asarray((_product(n) * k).sum(axis=1))

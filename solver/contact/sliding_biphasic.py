@@ -81,17 +81,18 @@ class SlidingBiphasic(SlidingElastic):
     def residual(self, state: State, R: Floats) -> None:
         super().residual(state, R)
         for s in self.passes:
-            fluid.spread(s, state.dt * self.flows(s, state)[0] * s.detJ * s.surface.weight, R)
+            fluid.spread(state, s, state.dt * self.flows(s, state)[0] * s.detJ * s.surface.weight, R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
-        pressure = np.ascontiguousarray(state.d[:, 3])
+        assert state.p is not None
+        pressure = np.ascontiguousarray(state.p)
         for s in self.passes:
             assert isinstance(s, SlidingFluid)
             p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
             wn, eps_p = self.flows(s, state)
             for rows, a, b, nodes in s.pairs(p != 0.0):
-                K, unknowns, columns = fluid.unknowns(nodes)
+                K, unknowns, columns = fluid.unknowns(state, nodes)
                 kernels.stiffness(
                     w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
                     s.normals, s.gap, eps, p, 1.0, K,

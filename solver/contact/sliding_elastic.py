@@ -104,7 +104,7 @@ class SlidingElastic(Contact):
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             f = -self.pressure(s, state) * s.detJ * s.surface.weight
-            s.spread(f[:, None] * s.normals, R)
+            s.spread(state, f[:, None] * s.normals, R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
@@ -112,7 +112,7 @@ class SlidingElastic(Contact):
             assert isinstance(s, SlidingPoints)
             p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
             for rows, a, b, nodes in s.pairs(p != 0.0):
-                K, unknowns, columns = matrices(nodes)
+                K, unknowns, columns = matrices(state, nodes)
                 kernels.stiffness(
                     w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
                     s.normals, s.gap, eps, p, float(self.knmult), K,

@@ -62,7 +62,7 @@ class SlidingFriction(SlidingElastic):
     def _tractions(self, s: FrictionPoints, state: State) -> None:
         """Who sticks, and the tractions."""
         w, o = s.surface, s.other
-        before = state.X + state.d_old[:, :3]
+        before = state.X + state.u_old
         kernels.tractions(
             w.T, state.x, before, w.conn, w.count, w.facet, o.conn, o.count, s.points, s.normals, w.N, w.G, s.M, s.gap,
             self.stiffnesses(s, state), s.multiplier, s.traction_multiplier, self.fric_coeff, self.offset, s.partner,
@@ -82,7 +82,7 @@ class SlidingFriction(SlidingElastic):
         for s in self.passes:
             assert isinstance(s, FrictionPoints)
             self._tractions(s, state)
-            s.spread((s.detJ * s.surface.weight)[:, None] * s.t, R)
+            s.spread(state, (s.detJ * s.surface.weight)[:, None] * s.t, R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
@@ -92,7 +92,7 @@ class SlidingFriction(SlidingElastic):
             for sticking in (True, False):
                 acting = (s.p != 0.0) & (s.sticks == sticking)
                 for rows, a, b, nodes in s.pairs(acting):
-                    K, unknowns, columns = matrices(nodes)
+                    K, unknowns, columns = matrices(state, nodes)
                     (self._stick if sticking else self._slip)(s, state, rows, a, b, K)
                     out.append((K, unknowns, columns))
         return out
@@ -110,7 +110,7 @@ class SlidingFriction(SlidingElastic):
             s.gap, eps, s.p, 1.0, K,
         )  # fmt: skip
         kernels.stiffness(
-            w.T, state.x, state.X + state.d_old[:, :3], w.conn, w.count, w.facet, o.conn, o.count, s.partner, s.rs,
+            w.T, state.x, state.X + state.u_old, w.conn, w.count, w.facet, o.conn, o.count, s.partner, s.rs,
             rows, a, b, w.N, w.G, s.M, w.weight, s.normals, s.gap, eps, s.p, self.fric_coeff, K,
         )  # fmt: skip
 

@@ -72,7 +72,7 @@ class TiedBiphasic(TiedElastic):
     def residual(self, state: State, R: Floats) -> None:
         super().residual(state, R)
         for s in self.passes:
-            fluid.spread(s, state.dt * self.flow(s)[0] * s.detJ * s.surface.weight, R)
+            fluid.spread(state, s, state.dt * self.flow(s)[0] * s.detJ * s.surface.weight, R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
@@ -80,7 +80,7 @@ class TiedBiphasic(TiedElastic):
             k, t = self.scale(state) * s.modulus * s.detJ * s.surface.weight, self.traction(s, state)
             (wn, eps), w = self.flow(s), s.surface
             for rows, a, b, nodes in s.pairs(s.partner >= 0):
-                K, unknowns, columns = fluid.unknowns(nodes)
+                K, unknowns, columns = fluid.unknowns(state, nodes)
                 contact.area_stiffness(state.x, w.conn, w.facet, rows, a, b, w.N, w.G, s.M, w.weight, t, K)
                 if self.symmetric_stiffness:
                     K = 0.5 * (K + K.transpose(0, 2, 1))

@@ -82,7 +82,7 @@ class TiedElastic(Contact):
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             assert isinstance(s, TiedPoints)
-            s.spread((s.detJ * s.surface.weight)[:, None] * self.traction(s, state), R)
+            s.spread(state, (s.detJ * s.surface.weight)[:, None] * self.traction(s, state), R)
 
     def stiffness(self, state: State) -> Matrices:
         out = []
@@ -90,7 +90,7 @@ class TiedElastic(Contact):
             assert isinstance(s, TiedPoints)
             k, t = self.scale(state) * s.modulus * s.detJ * s.surface.weight, self.traction(s, state)
             for rows, a, b, nodes in s.pairs(s.partner >= 0):
-                K, unknowns, columns = matrices(nodes)
+                K, unknowns, columns = matrices(state, nodes)
                 w = s.surface
                 contact.area_stiffness(state.x, w.conn, w.facet, rows, a, b, w.N, w.G, s.M, w.weight, t, K)
                 if self.symmetric_stiffness:

@@ -80,13 +80,13 @@ class TiedNode(Contact):
 
     def residual(self, state: State, R: Floats) -> None:
         s = self.sides[0]
-        s.spread(-s.reference_area[:, None] * self.traction(state), R)
+        s.spread(state, -s.reference_area[:, None] * self.traction(state), R)
 
     def stiffness(self, state: State) -> Matrices:
         s, out = self.sides[0], []
         k = self.scale(state) * s.reference_area
         for rows, a, b, nodes in s.pairs(s.partner >= 0):
-            K, unknowns, columns = matrices(nodes)
+            K, unknowns, columns = matrices(state, nodes)
             contact.penalty_stiffness(rows, a, b, s.N, s.M, k, K)
             out.append((K, unknowns, columns))
         return out

@@ -53,8 +53,8 @@ def flux(lo, hi, k, gp, drive, w):
 
 
 @kernel
-def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt, steady, R):
-    """Subtract the internal force of elements lo:hi from R (node, 4).
+def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt, steady, Ru, Rp):
+    """Subtract the internal force of elements lo:hi from Ru (node, 3) and Rp (node,), of displacement and pressure.
 
     s: solid (effective) stress; p (m, g) pressure; w (m, g, 3) flux; supply (m, g) or (0, 0).
     ``steady`` drops div v (steady-state analysis).
@@ -91,10 +91,10 @@ def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt,
                 f[3, a] += a30 * x + a31 * y + a32 * z + h * N[g, a]
         for a in range(nen):
             n = conn[e, a]
-            R[n, 0] -= f[0, a]
-            R[n, 1] -= f[1, a]
-            R[n, 2] -= f[2, a]
-            R[n, 3] -= f[3, a]
+            Ru[n, 0] -= f[0, a]
+            Ru[n, 1] -= f[1, a]
+            Ru[n, 2] -= f[2, a]
+            Rp[n] -= f[3, a]
 
 
 @kernel

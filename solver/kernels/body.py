@@ -13,7 +13,7 @@ from .solid import gradients
 
 @kernel
 def force(conn, N, m, a, R):
-    """R (node, >= 3) += sum_g N m a."""
+    """R (node, 3) += sum_g N m a."""
     ng = N.shape[0]
     for e in range(conn.shape[0]):
         for g in range(ng):

@@ -39,7 +39,7 @@ def partner_normals(T, x, conn, count, partner, rs, normals):
 
 @kernel
 def spread(sconn, scount, facet, N, mconn, mcount, partner, M, t, R):
-    """R (node, >= 3) += W t, t (q, 3) being the force of each point on the primary surface."""
+    """R (node, 3) += W t, t (q, 3) being the force of each point on the primary surface."""
     for q in range(len(partner)):
         e = partner[q]
         if e < 0:

@@ -15,16 +15,16 @@ from . import contact, facets, sliding_elastic
 
 @kernel
 def spread(sconn, scount, facet, N, mconn, mcount, partner, M, f, R):
-    """R (node, 4)[:, 3] += W f, f (q,) being what each point gives."""
+    """R (node,) += W f, f (q,) being what each point gives."""
     for q in range(len(partner)):
         e = partner[q]
         if e < 0 or f[q] == 0.0:
             continue
         s = facet[q]
         for a in range(scount[s]):
-            R[sconn[s, a], 3] += N[q, a] * f[q]
+            R[sconn[s, a]] += N[q, a] * f[q]
         for a in range(mcount[e]):
-            R[mconn[e, a], 3] -= M[q, a] * f[q]
+            R[mconn[e, a]] -= M[q, a] * f[q]
 
 
 @kernel

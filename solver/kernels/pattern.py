@@ -159,9 +159,9 @@ def scatter(lo, hi, K, conn, back, row, given, lead, indptr, data, step, Fd, upp
 def scatter_upper(lo, hi, some, B, U, conn, back, row, given, lead, size, indptr, data, step, Fd):
     """Add symmetric element blocks (see :mod:`.blocks`) of those elements lo:hi that ``some`` (hi - lo,) marks.
 
-    row (node, c): matrix row of an unknown or -1; given (node, c): equation of a prescribed one or -1; lead, size
-    (node): first row and number of rows; step (equation): increments of prescribed values, whose columns go to the
-    right side Fd (row). Storage is upper.
+    row (node, c): matrix row of an unknown or -1; given (node, c): equation of a prescribed one or -1; lead (node):
+    first row of a node; size (node): c where its unknowns are all free and in a row, else -1; step (equation):
+    increments of prescribed values, whose columns go to the right side Fd (row). Storage is upper.
     """
     n = conn.shape[1]
     fluid = U.shape[0] > 0

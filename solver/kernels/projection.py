@@ -29,7 +29,7 @@ def _mean_shapes(e, N, w0, mean):
 
 @kernel
 def force(lo, hi, conn, N, w0, c, p, p_old, R):
-    """Subtract the projection's force of elements lo:hi from R (node, 4); c (m,), p and p_old (m, g)."""
+    """Subtract the projection's force of elements lo:hi from R (node,); c (m,), p and p_old (m, g)."""
     ng, nen = N.shape
     mean = np.empty(nen)
     for e in range(lo, hi):
@@ -42,7 +42,7 @@ def force(lo, hi, conn, N, w0, c, p, p_old, R):
         for g in range(ng):
             v = c[e] * w0[e, g] * (p[e, g] - p_old[e, g] - dp)
             for a in range(nen):
-                R[conn[e, a], 3] += v * (N[g, a] - mean[a])
+                R[conn[e, a]] += v * (N[g, a] - mean[a])
 
 
 @kernel

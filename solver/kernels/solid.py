@@ -137,7 +137,7 @@ def gradients(F, J, iJ0, dN, G):
 
 @kernel
 def internal_force(lo, hi, conn, dN, iJ0, wJ0, F, J, s, R):
-    """Subtract the internal force of elements lo:hi, sum_g s . grad N w j, from R (node, >=3).
+    """Subtract the internal force of elements lo:hi, sum_g s . grad N w j, from R (node, 3).
 
     s is pulled to natural coordinates at each point, so that no gradients are formed.
     """

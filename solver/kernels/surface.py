@@ -197,7 +197,7 @@ def flow_stiffness(x, v, conn, N, dN, w, q, mixture, follower, dt, K):
 
 @kernel
 def add_vectors(conn, f, R):
-    """R (node, column) += facet vectors f (f, n, 3) in the first three columns."""
+    """R (node, 3) += facet vectors f (f, n, 3)."""
     for e in range(conn.shape[0]):
         for a in range(conn.shape[1]):
             for i in range(3):
@@ -205,8 +205,8 @@ def add_vectors(conn, f, R):
 
 
 @kernel
-def add_scalars(conn, f, R, column):
-    """R (node, column) += facet scalars f (f, n)."""
+def add_scalars(conn, f, R):
+    """R (node,) += facet scalars f (f, n)."""
     for e in range(conn.shape[0]):
         for a in range(conn.shape[1]):
-            R[conn[e, a], column] += f[e, a]
+            R[conn[e, a]] += f[e, a]

@@ -35,16 +35,16 @@ class Matrix:
 
 
 @dataclass(slots=True)
-class Layout:
+class Unknowns:
     """What the rows of a tangent stand for.
 
-    X (node, 3); node and column (row,): 0 to 2 displacements, 3 the pressure; storage: sparse matrix over the
-    pressure rows, their mass over the aggregate modulus at the present state.
+    X (node, 3); node (row,); component (row,) of the displacement, or -1 for a fluid pressure; storage: sparse matrix
+    over the pressure rows, their mass over the aggregate modulus at the present state.
     """
 
     X: Floats
     node: NDArray[np.int64]
-    column: NDArray[np.int64]
+    component: NDArray[np.int64]
     storage: Callable[[], Any]
 
 

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from .base import Layout, LinearError, LinearSolver
+from .base import LinearError, LinearSolver, Unknowns
 
 DENSE_LIMIT = 250  # equations below which loading MKL costs more than all dense solves of a run
 PARALLEL = 3000  # equations below which threads cost a factorisation more than they save, most of all on a busy machine
 
 
 def choose(
-    name: str, equations: int, threads: int, single: bool = False, layout: Layout | None = None, mixed: bool = False
+    name: str, equations: int, threads: int, single: bool = False, unknowns: Unknowns | None = None, mixed: bool = False
 ) -> LinearSolver:
     """``auto``: dense LU up to 250 equations, else MKL PARDISO, else SuperLU. Others force one.
 
     ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
-    ``mixed``: there are pressures or penalties. ``layout``: what "iterative" builds its blocks from.
+    ``mixed``: there are pressures or penalties. ``unknowns``: what "iterative" builds its blocks from.
     """
-    if name == "iterative" and layout is not None:
+    if name == "iterative" and unknowns is not None:
         from .iterative import Iterative
 
-        return Iterative(layout)
+        return Iterative(unknowns)
     if name == "dense" or (name == "auto" and equations <= DENSE_LIMIT):
         from .dense import Dense
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .amg import Multigrid, require, rigid_modes
-from .base import Floats, Layout, Matrix, Stalled
+from .base import Floats, Matrix, Stalled, Unknowns
 from .krylov import fgmres, matvec
 
 TOLERANCE = 1e-4  # of a solve, in units in which the preconditioner's diagonal is one
@@ -22,7 +22,6 @@ USABLE = 1e-3  # a residual from which Newton's iteration goes on where TOLERANC
 RESTART, MOST = 60, 300
 STRENGTH = 0.0  # couplings weaker than this (of the diagonal) do not form aggregates
 SETUP = 30  # iterations that take as long as setting up the elastic hierarchy
-PRESSURE = 3  # column of the pressure
 
 
 class Iterative:
@@ -31,19 +30,19 @@ class Iterative:
     Solid models have the elastic block alone. Raises LinearError where pyamg is missing.
     """
 
-    def __init__(self, layout: Layout, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, unknowns: Unknowns, tolerance: float = TOLERANCE) -> None:
         require()
         self.name = "FGMRES over multigrid (pyamg)"
         self.stats: dict[str, float] = {}
         self.tolerance = tolerance
-        self._layout = layout
-        pressure = layout.column == PRESSURE
+        self._unknowns = unknowns
+        pressure = unknowns.component < 0
         self._u, self._p = np.flatnonzero(~pressure), np.flatnonzero(pressure)
-        nodes, block = np.unique(layout.node[self._u], return_inverse=True)
-        self._padded = 3 * block + layout.column[self._u]  # place of each displacement among three per node
+        nodes, block = np.unique(unknowns.node[self._u], return_inverse=True)
+        self._padded = 3 * block + unknowns.component[self._u]  # place of each displacement among three per node
         self._free = np.zeros(3 * len(nodes), bool)
         self._free[self._padded] = True
-        self._modes = rigid_modes(layout.X[nodes], self._free.reshape(-1, 3))
+        self._modes = rigid_modes(unknowns.X[nodes], self._free.reshape(-1, 3))
         self._A: Matrix | None = None
         self._elastic: Multigrid | None = None
         self._fluid: Multigrid | None = None
@@ -67,7 +66,7 @@ class Iterative:
         entries = self._elastic.entries if self._elastic else 0
         if len(self._p):
             self._C = M[self._u][:, self._p].tocsr()
-            S = _symmetric(-M[self._p][:, self._p] + self._layout.storage())
+            S = _symmetric(-M[self._p][:, self._p] + self._unknowns.storage())
             d[self._p] = np.abs(S.diagonal())
             self._fluid = Multigrid(S, np.ones((len(self._p), 1)), STRENGTH)
             entries += self._fluid.entries + self._C.nnz

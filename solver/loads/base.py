@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .. import elements
 from ..elements.base import Element
+from ..fields import DISPLACEMENT
 from ..kernels.surface import add_vectors
 from ..values import Value, as_value
 
@@ -28,9 +29,6 @@ Ints = NDArray[np.int64]
 Number = Value | float
 Vector = Sequence[Number]  # three numbers, each a value
 Matrices = list[tuple[Floats, Ints, Ints]]
-
-COLUMN = {"x": 0, "y": 1, "z": 2, "p": 3}  # columns of nodal arrays
-PRESSURE = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,24 +128,21 @@ class SurfaceLoad:
 
     def positions(self, state: State, reference: bool = False) -> Floats:
         """Nodal positions (node, 3)."""
-        return state.X if reference else state.X + state.d[:, :3]
+        return state.X if reference else state.x
 
     def pressure_of(self, state: State) -> Floats | None:
         """Nodal fluid pressure (node,), or None where the model has none."""
-        return state.d[:, PRESSURE] if state.d.shape[1] > PRESSURE else None
+        return state.p
 
-    def add(self, patch: Patch, f: Floats, R: Floats) -> None:
+    def add(self, state: State, patch: Patch, f: Floats, R: Floats) -> None:
         """Add facet forces f (f, n, 3) to R."""
-        add_vectors(patch.conn, f, R)
+        add_vectors(patch.conn, f, state.layout.u(R))
 
-    def matrices(self, patch: Patch, fields: int = 3) -> tuple[Floats, Ints, Ints]:
-        """Zero matrices of a patch with their unknowns, component by component.
-
-        ``fields``: 3 for the displacements, 4 for these and the pressure.
-        """
-        n = patch.conn.shape[1]
-        columns = np.repeat(np.arange(fields), n)
-        return np.zeros((len(patch.conn), fields * n, fields * n)), np.tile(patch.conn, (1, fields)), columns
+    def matrices(self, state: State, patch: Patch, *fields: str) -> tuple[Floats, Ints, Ints]:
+        """Zero matrices of a patch with their unknowns, component by component, of the displacement and ``fields``."""
+        own = state.layout.columns(DISPLACEMENT.name, *fields)
+        n, c = patch.conn.shape[1], len(own)
+        return np.zeros((len(patch.conn), c * n, c * n)), np.tile(patch.conn, (1, c)), np.repeat(own, n)
 
     def residual(self, state: State, R: Floats) -> None:
         raise NotImplementedError

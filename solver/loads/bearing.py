@@ -97,7 +97,7 @@ class Bearing(SurfaceLoad):
         for p, P in self._pressures(state):
             f = np.zeros((*p.conn.shape, 3))
             normal_force(x, *p.geometry, P, f)
-            self.add(p, f, R)
+            self.add(state, p, f, R)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         """The change of the pressure's profile is left out, as in FEBio."""
@@ -105,7 +105,7 @@ class Bearing(SurfaceLoad):
             return []
         x, out = self.positions(state), []
         for p, P in self._pressures(state):
-            K, nodes, columns = self.matrices(p)
+            K, nodes, columns = self.matrices(state, p)
             normal_stiffness(x, *p.geometry, P, self.symmetric_stiffness, K)
             out.append((K, nodes, columns))
         return out

@@ -31,6 +31,7 @@ class BodyLoad:
     rate: float = field(default=0.0, init=False)  # dt dv/du of the time integration
     symmetric: ClassVar[bool] = True
     moves: ClassVar[bool] = False  # the acceleration depends on the motion
+    drives: ClassVar[bool] = False  # it acts on the fluid of mixtures, too, by ``force(points)``
 
     def acceleration(self, state: State, group: Group) -> Floats:
         """Acceleration (1|n, 3) at the points of a group."""
@@ -47,28 +48,18 @@ class BodyLoad:
         return self.blocks is None or group.block.name in self.blocks
 
     def _mass(self, group: Group) -> tuple[Floats, Floats | None]:
-        """Mass (m, g) at the points, and in biphasic blocks the fluid's part of it that comes with volume.
-
-        rho = phi0 rho_s + (J - phi0) rho_w, the pores closing at J = phi0.
-        """
-        pts, mix, shape = group.points(), group.block.mixture, (group.m, group.g)
-        w = np.zeros(shape)
+        """Mass (m, g) at the points, and the part of it that comes with volume where there is a fluid."""
+        w = np.zeros((group.m, group.g))
         rows = self.elements.get(group.block.name, slice(None))
         w[rows] = group.wJ0[rows]
-        solid = np.broadcast_to(group.block.solid.density(pts), group.m * group.g).reshape(shape)
-        if mix is None:
-            return w * solid, None
-        phi0 = np.broadcast_to(mix.phi0(pts.t, pts.X, pts.e), group.m * group.g).reshape(shape)
-        fluid = np.broadcast_to(mix.fluid_density(pts.t, pts.X, pts.e), group.m * group.g).reshape(shape)
-        pores = np.maximum(group.J - phi0, 0.0)
-        grows = np.where(pores > 0, fluid, solid)
-        return w * (solid * (group.J - pores) + fluid * pores), w * grows * group.J
+        density, grows = group.physics.mass()
+        return w * density, None if grows is None else w * grows * group.J
 
     def residual(self, state: State, groups: list[Group], R: Floats) -> None:
         for g in groups:
             if self._acts(g):
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
-                kernels.force(g.conn, g.N, self._mass(g)[0], a, R)
+                kernels.force(g.conn, g.N, self._mass(g)[0], a, state.layout.u(R))
 
     def stiffness(self, state: State, groups: list[Group]) -> Matrices:
         out: Matrices = []
@@ -86,12 +77,12 @@ class BodyLoad:
             if heavy:
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
                 kernels.swelling(g.N, g.dN, g.iJ0, g.F, g.J, swelling, a, K)
-            out.append((K, np.tile(g.conn, (1, 3)), np.repeat(np.arange(3), g.n)))
+            out.append((K, np.tile(g.conn, (1, 3)), np.repeat(state.layout.displacement, g.n)))
         return out
 
     def positions(self, state: State, group: Group) -> Floats:
         """Positions (n, 3) of the points of a group."""
-        x = state.x if self.alpha == 1.0 else state.X + self._between(state.d[:, :3], state.d_old[:, :3])
+        x = state.x if self.alpha == 1.0 else state.X + self._between(state.u, state.u_old)
         return np.asarray(np.einsum("ga,eai->egi", group.N, x[group.conn]).reshape(-1, 3))
 
     def velocities(self, state: State, group: Group) -> Floats:

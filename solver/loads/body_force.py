@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from ..points import Points
 from ..values import as_value
@@ -20,6 +20,7 @@ class BodyForce(BodyLoad):
     """a = -force. FEBio User Manual, "Body Force"."""
 
     given: Vector = (0.0, 0.0, 0.0)  # FEBio's <force>
+    drives: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         self.given = as_vector(self.given)

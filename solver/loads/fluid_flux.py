@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..fields import PRESSURE
 from ..kernels.surface import add_scalars, flow, flow_stiffness
 from . import register
-from .base import PRESSURE, Floats, Matrices, Number, SurfaceLoad, scalar
+from .base import Floats, Matrices, Number, SurfaceLoad, scalar
 
 if TYPE_CHECKING:
     from ..state import State
@@ -47,14 +48,14 @@ class FluidFlux(SurfaceLoad):
             f = np.zeros(p.conn.shape)
             q = self.sign * scalar(self.flux, state.time, p)
             flow(x, state.velocity, *p.geometry, q, self._moves, f)
-            add_scalars(p.conn, state.dt * f, R, PRESSURE)
+            add_scalars(p.conn, state.dt * f, state.layout.scalar(R, PRESSURE.name))
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         if not self.tangent:
             return []
         x, v, out = self.positions(state, self.linear), state.velocity, []
         for p in self.surface:
-            K, nodes, columns = self.matrices(p, 4)
+            K, nodes, columns = self.matrices(state, p, PRESSURE.name)
             q = self.sign * scalar(self.flux, state.time, p)
             flow_stiffness(x, v, *p.geometry, q, self._moves, not self.linear, state.dt, K)
             out.append((K, nodes, columns))

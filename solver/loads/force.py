@@ -39,7 +39,7 @@ class Force(SurfaceLoad):
             T = T * scalar(self.scale, state.time, p)[:, None] / area
             f = np.zeros((*p.conn.shape, 3))
             traction_force(x, *p.geometry, self.sign * T, f)
-            self.add(p, f, R)
+            self.add(state, p, f, R)
 
 
 register(Force, "force")

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ..fields import PRESSURE
 from ..values import as_value
 from . import register
-from .base import COLUMN, PRESSURE, Floats, Ints, Matrices, Number, Vector, as_vector, vector
+from .base import Floats, Ints, Matrices, Number, Vector, as_vector, vector
 
 if TYPE_CHECKING:
+    from ..fields import Layout
     from ..state import State
 
 
@@ -29,17 +31,16 @@ class NodalLoad:
     _start: Floats | None = field(default=None, init=False, repr=False)
     _distinct: bool | None = field(default=None, init=False, repr=False)  # no node is listed twice
 
-    @property
-    def columns(self) -> list[int]:
+    def columns(self, layout: Layout) -> Ints:
         """Columns of the nodal arrays the load is in."""
-        return [0, 1, 2]
+        return layout.displacement
 
     def begin_step(self, state: State) -> None:
-        """As the load begins, take the forces that hold the nodes: the internal force (node, column)."""
+        """As the load begins, take the forces that hold the nodes: the internal force."""
         if self._start is None:
-            held = np.zeros((len(self.nodes), 4))
-            held[:, : state.reaction.shape[1]] = state.reaction[self.nodes]
-            self._start = held[:, self.columns]
+            held = np.zeros((len(self.nodes), state.layout.width))
+            held[:, state.layout.displacement] = state.reaction[self.nodes]
+            self._start = held[:, self.columns(state.layout)]
 
     def cliques(self) -> list[Ints]:
         return []
@@ -52,16 +53,17 @@ class NodalLoad:
         raise NotImplementedError
 
     def residual(self, state: State, R: Floats) -> None:
-        f = np.broadcast_to(self.values(state), (len(self.nodes), len(self.columns)))
+        columns = self.columns(state.layout)
+        f = np.broadcast_to(self.values(state), (len(self.nodes), len(columns)))
         if self.relative and self._start is not None:
             f = f + self._start
         if self._distinct is None:
             self._distinct = len(set(self.nodes.tolist())) == len(self.nodes)
-        at = self.nodes[:, None], self.columns
+        at = self.nodes[:, None], columns
         if self._distinct:
             R[at] += f
         else:
-            np.add.at(R, at, f)  # type: ignore[arg-type]
+            np.add.at(R, at, f)
 
     def _scalar(self, v: Any, t: float) -> Floats:
         return np.asarray(v(t, self.X, np.arange(len(self.nodes))))[:, None]
@@ -85,7 +87,7 @@ class NodalForce(NodalLoad):
 
 @dataclass(eq=False)
 class NodalDofLoad(NodalLoad):
-    """A load ``scale`` on one unknown: x, y, z or p (a volume of fluid)."""
+    """A load ``scale`` on one degree of freedom by FEBio's name: x, y, z or p (a volume of fluid)."""
 
     dof: str = "x"
     scale: Number = 0.0
@@ -93,9 +95,8 @@ class NodalDofLoad(NodalLoad):
     def __post_init__(self) -> None:
         self.scale = as_value(self.scale)
 
-    @property
-    def columns(self) -> list[int]:
-        return [COLUMN[self.dof]]
+    def columns(self, layout: Layout) -> Ints:
+        return np.array([layout.column(self.dof)])
 
     def values(self, state: State) -> Floats:
         return self._scalar(self.scale, state.time)
@@ -110,9 +111,8 @@ class NodalFluidFlux(NodalLoad):
     def __post_init__(self) -> None:
         self.value = as_value(self.value)
 
-    @property
-    def columns(self) -> list[int]:
-        return [PRESSURE]
+    def columns(self, layout: Layout) -> Ints:
+        return layout.columns(PRESSURE.name)
 
     def values(self, state: State) -> Floats:
         return state.dt * self._scalar(self.value, state.time)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..fields import PRESSURE
 from ..kernels.surface import normal_force, normal_stiffness, pressure_columns
 from . import register
 from .base import Floats, Matrices, Number, Patch, SurfaceLoad, scalar
@@ -49,7 +50,7 @@ class NormalTraction(SurfaceLoad):
         for p in self.surface:
             f = np.zeros((*p.conn.shape, 3))
             normal_force(x, *p.geometry, self._normal(state, p), f)
-            self.add(p, f, R)
+            self.add(state, p, f, R)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         if self.linear:
@@ -57,7 +58,7 @@ class NormalTraction(SurfaceLoad):
         x, out = self.positions(state), []
         column = self.effective and not self.symmetric_stiffness and self.pressure_of(state) is not None
         for p in self.surface:
-            K, nodes, columns = self.matrices(p, 4 if column else 3)
+            K, nodes, columns = self.matrices(state, p, *([PRESSURE.name] if column else []))
             normal_stiffness(x, *p.geometry, self._normal(state, p), self.symmetric_stiffness, K)
             if column:
                 pressure_columns(x, *p.geometry, self.sign, K)

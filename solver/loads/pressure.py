@@ -40,14 +40,14 @@ class Pressure(SurfaceLoad):
         for p in self.surface:
             f = np.zeros((*p.conn.shape, 3))
             normal_force(x, *p.geometry, -self.sign * scalar(self.pressure, state.time, p), f)
-            self.add(p, f, R)
+            self.add(state, p, f, R)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         if self.linear:
             return []
         x, out = self.positions(state), []
         for p in self.surface:
-            K, nodes, columns = self.matrices(p)
+            K, nodes, columns = self.matrices(state, p)
             P = -self.sign * scalar(self.pressure, state.time, p)
             normal_stiffness(x, *p.geometry, P, self.symmetric_stiffness, K)
             out.append((K, nodes, columns))

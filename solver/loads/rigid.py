@@ -59,7 +59,7 @@ class RigidForce(RigidLoad):
         return self._turn(state) @ f if self.follow else f
 
     def residual(self, state: State, R: Floats) -> None:
-        R[self.row, :3] += self._force(state)
+        state.layout.u(R)[self.row] += self._force(state)
 
 
 @dataclass(eq=False)
@@ -70,7 +70,7 @@ class RigidMoment(RigidLoad):
     value: Number = 0.0
 
     def residual(self, state: State, R: Floats) -> None:
-        R[self.row + 1, self.axis] += float(as_value(self.value)(state.time, ORIGIN)[0])
+        state.layout.u(R)[self.row + 1, self.axis] += float(as_value(self.value)(state.time, ORIGIN)[0])
 
 
 @dataclass(eq=False)
@@ -85,8 +85,9 @@ class RigidFollowerForce(RigidLoad):
     def residual(self, state: State, R: Floats) -> None:
         Q = self._mean(state, self.alpha)
         f, z = Q @ _numbers(self.given, state.time), Q @ self.arm
-        R[self.row, :3] += f
-        R[self.row + 1, :3] += np.cross(z, f)
+        Ru = state.layout.u(R)
+        Ru[self.row] += f
+        Ru[self.row + 1] += np.cross(z, f)
 
     def cliques(self) -> list[Ints]:
         return [np.array([[self.row, self.row + 1]])]
@@ -98,7 +99,7 @@ class RigidFollowerForce(RigidLoad):
         K[0, :3, 3:] = a * rotation.skew(f)
         fm, zm = rotation.skew(mean @ given), rotation.skew(mean @ self.arm)
         K[0, 3:, 3:] = a * (zm @ rotation.skew(f) - fm @ rotation.skew(z))
-        return [(K, np.array([[self.row] * 3 + [self.row + 1] * 3]), np.tile(np.arange(3), 2))]
+        return [(K, np.array([[self.row] * 3 + [self.row + 1] * 3]), np.tile(state.layout.displacement, 2))]
 
 
 @dataclass(eq=False)
@@ -110,11 +111,11 @@ class RigidFollowerMoment(RigidLoad):
     symmetric: ClassVar[bool] = False
 
     def residual(self, state: State, R: Floats) -> None:
-        R[self.row + 1, :3] += self._mean(state, self.alpha) @ _numbers(self.given, state.time)
+        state.layout.u(R)[self.row + 1] += self._mean(state, self.alpha) @ _numbers(self.given, state.time)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         K = self.alpha * rotation.skew(self._turn(state) @ _numbers(self.given, state.time))[None]
-        return [(K, np.array([[self.row + 1] * 3]), np.arange(3))]
+        return [(K, np.array([[self.row + 1] * 3]), state.layout.displacement)]
 
 
 register(RigidForce, "rigid_force")

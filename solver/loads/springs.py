@@ -53,7 +53,7 @@ class Springs:
         """Lengths, directions (m, 3), rates of length, and rates of the line (m, 3)."""
         x = state.x[self.nodes]
         r = x[:, 1] - x[:, 0]
-        old = (state.X + state.d_old[:, :3])[self.nodes]
+        old = (state.X + state.u_old)[self.nodes]
         v = (r - old[:, 1] + old[:, 0]) / state.dt if state.dt > 0 else np.zeros_like(r)
         L = np.linalg.norm(r, axis=1)
         e = r / np.where(L > 0, L, 1.0)[:, None]
@@ -62,8 +62,9 @@ class Springs:
     def residual(self, state: State, R: Floats) -> None:
         L, e, rate, _ = self._line(state)
         f = self.law(L, rate, state.time)[0][:, None] * e
-        np.add.at(R, (self.nodes[:, 0, None], np.arange(3)), f)
-        np.add.at(R, (self.nodes[:, 1, None], np.arange(3)), -f)
+        Ru = state.layout.u(R)
+        np.add.at(Ru, self.nodes[:, 0], f)
+        np.add.at(Ru, self.nodes[:, 1], -f)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         """A = dF/dr: F' e e + F / L (1 - e e), and dF/drate e (e / dt + (v - rate e) / L)."""
@@ -76,7 +77,7 @@ class Springs:
             turn = e / state.dt + (v - rate[:, None] * e) / np.where(L > 0, L, 1.0)[:, None]
             A += dv[:, None, None] * np.einsum("mi,mj->mij", e, turn)
         K = np.block([[A, -A], [-A, A]])
-        return [(K, np.repeat(self.nodes, 3, axis=1), np.tile(np.arange(3), 2))]
+        return [(K, np.repeat(self.nodes, 3, axis=1), np.tile(state.layout.displacement, 2))]
 
 
 @dataclass(eq=False)

@@ -35,7 +35,7 @@ class Traction(SurfaceLoad):
             T = T * scalar(self.scale, state.time, p)[:, None]
             f = np.zeros((*p.conn.shape, 3))
             traction_force(x, *p.geometry, self.sign * T, f)
-            self.add(p, f, R)
+            self.add(state, p, f, R)
 
 
 register(Traction, "traction")

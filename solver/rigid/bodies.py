@@ -17,6 +17,7 @@ from . import rotation
 from .body import RigidBody
 
 if TYPE_CHECKING:
+    from ..fields import Layout
     from ..pattern import Equations
     from ..problem import Attached, Problem
     from ..state import State
@@ -39,6 +40,7 @@ class Bodies:
         self.bodies: list[RigidBody] = problem.bodies
         n, k = len(problem.X), len(self.bodies)
         self.rows = n + 2 * np.arange(k)
+        self.columns = state.layout.displacement  # of displacements in the first row of a body, rotations in the second
         self.parts = [p for b in self.bodies for p in b.parts]
         self.mass = np.array([b.mass for b in self.bodies])
         self.inertia = np.array([b.inertia for b in self.bodies])
@@ -81,7 +83,7 @@ class Bodies:
         x, z = s.x, np.zeros((len(self.nodes), 3))
         for i, b in enumerate(self.bodies):
             own = self._body == i
-            z[own] = (x[self.nodes[own]] - b.centre - s.d[self.rows[i], :3]) @ rotation.matrix(s.extra["q"][i])
+            z[own] = (x[self.nodes[own]] - b.centre - s.u[self.rows[i]]) @ rotation.matrix(s.extra["q"][i])
         self._arm = z
 
     def cliques(self) -> list[NDArray[np.int32]]:
@@ -93,16 +95,16 @@ class Bodies:
         out = np.ones(eqs.n)
         for i, r in enumerate(self.rows):
             for row, count in ((r, (self._body == i).sum()), (r + 1, 0)):
-                e = eqs.eq[row, :3]
+                e = self._equations(eqs, row)
                 out[e[e >= 0]] = count
         return out
 
-    def tied(self, columns: int) -> tuple[Ints, Ints, Ints]:
-        """Carried nodes hang on three unknowns each: du_i = dt_i + dtheta_j z_k - dtheta_k z_j."""
-        i = np.arange(3)
-        j, k = (i + 1) % 3, (i + 2) % 3
-        own = (self.nodes[:, None] * columns + i).reshape(-1)
-        shift, turn = self._at[:, None] * columns, (self._at[:, None] + 1) * columns
+    def tied(self, layout: Layout) -> tuple[Ints, Ints, Ints]:
+        """Carried nodes depend on three unknowns each: du_i = dt_i + dtheta_j z_k - dtheta_k z_j."""
+        i = layout.displacement
+        j, k = np.roll(i, -1), np.roll(i, -2)
+        own = (self.nodes[:, None] * layout.width + i).reshape(-1)
+        shift, turn = self._at[:, None] * layout.width, (self._at[:, None] + 1) * layout.width
         masters = np.stack([shift + i, turn + j, turn + k], axis=2).reshape(-1)
         return own, np.full(len(own), 3), masters
 
@@ -114,37 +116,40 @@ class Bodies:
     # ---- motion -----------------------------------------------------------------------------------
     def move(self, s: State, eqs: Equations, increment: Floats, u: Floats) -> None:
         """Rotate by the increment so far and then ``u`` (equations), or as prescribed; move the nodes along."""
-        q = s.extra["q"]
+        q, turned = s.extra["q"], s.u
         for i, r in enumerate(self.rows + 1):
-            given = eqs.kind[r, :3] == GIVEN
+            given = eqs.kind[r, self.columns] == GIVEN
             if given.any():
-                q[i] = rotation.of_vector(np.where(given, s.d[r, :3], 0.0))
-                s.d[r, :3] = np.where(given, s.d[r, :3], 0.0)
+                turned[r] = np.where(given, turned[r], 0.0)
+                q[i] = rotation.of_vector(turned[r])
                 continue
             a, b = self._turn(eqs, increment, r), self._turn(eqs, u, r)
             if a is not None and b is not None:
                 turn = rotation.product(rotation.of_cayley(b), rotation.of_cayley(a))
                 q[i] = rotation.unit(rotation.product(turn, s.extra["q_old"][i]))
-                s.d[r, :3] = rotation.vector(q[i])
+                turned[r] = rotation.vector(q[i])
         self._carry(s)
 
-    @staticmethod
-    def _turn(eqs: Equations, vector: Floats, row: np.integer) -> Floats | None:
+    def _equations(self, eqs: Equations, row: np.integer) -> Ints:
+        """Equations of a body's row (3,), -1 where it has none."""
+        return np.asarray(eqs.eq[row, self.columns])
+
+    def _turn(self, eqs: Equations, vector: Floats, row: np.integer) -> Floats | None:
         """Entries of an equation vector at a row of rotations; None where all are held."""
-        e = eqs.eq[row, :3]
+        e = self._equations(eqs, row)
         return np.where(e >= 0, vector[e], 0.0) if (e >= 0).any() else None
 
     def _carry(self, s: State) -> None:
         Q = np.array([rotation.matrix(q) for q in s.extra["q"]])
-        centre = s.X[self._at] + s.d[self._at, :3]
-        s.d[self.nodes, :3] = centre + np.einsum("nij,nj->ni", Q[self._body], self._arm) - s.X[self.nodes]
+        centre, u = s.X[self._at] + s.u[self._at], s.u
+        u[self.nodes] = centre + np.einsum("nij,nj->ni", Q[self._body], self._arm) - s.X[self.nodes]
 
     def compose(self, eqs: Equations, total: Floats, a: Floats, b: Floats) -> Floats:
         """``total`` = a + b with the rotations composed, b after a."""
         for r in self.rows + 1:
             p, q = self._turn(eqs, a, r), self._turn(eqs, b, r)
             if p is not None and q is not None:
-                e = eqs.eq[r, :3]
+                e = self._equations(eqs, r)
                 both = rotation.product(rotation.of_cayley(q), rotation.of_cayley(p))
                 total[e[e >= 0]] = rotation.cayley(both)[e >= 0]
         return total
@@ -163,7 +168,7 @@ class Bodies:
             return
         t, r, a, c = self.rows, self.rows + 1, 1.0 / (beta * dt), 1.0 - 0.5 / beta
         v, w, at, al = s.velocity_old[t], s.velocity_old[r], s.acceleration_old[t], s.acceleration_old[r]
-        s.acceleration[t] = (s.d[t, :3] - s.d_old[t, :3]) * (a / dt) - v * a + at * c
+        s.acceleration[t] = (s.u[t] - s.u_old[t]) * (a / dt) - v * a + at * c
         s.velocity[t] = v + dt * ((1 - gamma) * at + gamma * s.acceleration[t])
         for i in range(len(r)):
             turn = self._turned(s, i)
@@ -179,18 +184,19 @@ class Bodies:
     # ---- forces -----------------------------------------------------------------------------------
     def _arms(self, s: State, alpha: float) -> Floats:
         """x - r of carried nodes at a time between the last step (alpha 0) and the present (alpha 1)."""
-        d = s.d[:, :3] if alpha == 1.0 else alpha * s.d[:, :3] + (1 - alpha) * s.d_old[:, :3]
+        d = s.u if alpha == 1.0 else alpha * s.u + (1 - alpha) * s.u_old
         z: Floats = s.X[self.nodes] + d[self.nodes] - s.X[self._at] - d[self._at]
         return z
 
     def inertia_forces(self, s: State, R: Floats, alpham: float) -> None:
         """R -= m a and the rate of angular momentum w x J w + J w'."""
         a = alpham * s.acceleration[self.rows] + (1 - alpham) * s.acceleration_old[self.rows]
-        R[self.rows, :3] -= self.mass[:, None] * a
+        Ru = s.layout.u(R)
+        Ru[self.rows] -= self.mass[:, None] * a
         J, w, al = self._spatial(s), s.velocity[self.rows + 1], s.acceleration[self.rows + 1]
         h = s.extra["h"] = np.einsum("bij,bj->bi", J, w)
         dh = s.extra["dh"] = np.cross(w, h) + np.einsum("bij,bj->bi", J, al)
-        R[self.rows + 1, :3] -= alpham * dh + (1 - alpham) * s.extra["dh_old"]
+        Ru[self.rows + 1] -= alpham * dh + (1 - alpham) * s.extra["dh_old"]
 
     # ---- tangent ----------------------------------------------------------------------------------
     def inertia_tangent(self, s: State, system: System) -> list[tuple[Floats, Ints, Ints]]:
@@ -208,4 +214,4 @@ class Bodies:
             rate = (gamma * rotation.skew(w) + I / dt) @ J[i] - gamma * rotation.skew(h)
             K[i, 3:, 3:] = alpham * (rate @ T / (beta * dt) - rotation.skew(dh))
         nodes = np.stack([self.rows] * 3 + [self.rows + 1] * 3, axis=1)
-        return [(K, nodes, np.tile(np.arange(3), 2))]
+        return [(K, nodes, np.tile(self.columns, 2))]

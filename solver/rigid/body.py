@@ -9,19 +9,12 @@ from numpy.typing import NDArray
 
 from .. import elements
 from ..matrices import det
+from ..physics.base import Physics, Work
 from ..points import Points
 from ..problem import Block
-from ..solids.base import Floats, Solid
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@dataclass(eq=False)
-class Inert(Solid):
-    """The law of a rigid part: mass, and no stress."""
-
-    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        """Nothing: its strain is none."""
 
 
 class Part:
@@ -43,6 +36,7 @@ class Part:
             volume = np.linalg.norm(np.cross(J[..., 0], J[..., 1]), axis=-1) * (thickness @ e.N.T)
         self.wJ0 = volume * e.weights
         self.Xg = np.einsum("ga,eai->egi", self.N, x).reshape(-1, 3)
+        self.physics = Work(self, Physics())  # type: ignore[arg-type]  # whose mass alone is asked for
 
     def points(self) -> Points:
         n = self.m * self.g

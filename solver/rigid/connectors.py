@@ -163,14 +163,14 @@ class Connectors:
     def residual(self, state: State, R: Floats) -> None:
         for c in self.active:
             rows = self._rows(c)
-            np.add.at(R, (rows[:, None], np.arange(3)), np.asarray(self._forces(c).v).reshape(4, 3))
+            np.add.at(state.layout.u(R), rows, np.asarray(self._forces(c).v).reshape(4, 3))
 
     def stiffness(self, state: State, groups: Any = None) -> list[tuple[Floats, Any, Any]]:
         if not self.active:
             return []
         K = np.stack([-self._forces(c).d for c in self.active])
         nodes = np.stack([np.repeat(self._rows(c), 3) for c in self.active])
-        return [(K, nodes, np.tile(np.arange(3), 4))]
+        return [(K, nodes, np.tile(state.layout.displacement, 4))]
 
     def augment(self, done: int) -> bool:
         return all([c.augment(self.system, done, self._memory(c)) for c in self.active])  # noqa: C419 (all of them)

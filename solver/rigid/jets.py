@@ -141,7 +141,7 @@ class Frame:
 
     def centre(self) -> Jet:
         c, s = self.body.centre, self.s
-        return self._jet(c + s.d[self.row, :3], c + s.d_old[self.row, :3], np.eye(3), None)
+        return self._jet(c + s.u[self.row], c + s.u_old[self.row], np.eye(3), None)
 
     def vector(self, Z: Floats) -> Jet:
         """A vector Z of the reference, turned with the body."""

@@ -30,21 +30,11 @@ PARTS = ("analysis", "factor", "solve", "tangent", "residual", "run", "MB")
 def problem(n: int) -> Any:
     """The cube, with FEBio's default tolerances and steps of its stepper up to must points."""
     from febkit.solver.permeabilities.const_iso import ConstIso
-    from febkit.solver.problem import (
-        TRANSIENT,
-        UX,
-        UY,
-        UZ,
-        AutoStep,
-        Fixed,
-        Mixture,
-        P,
-        Prescribed,
-        Problem,
-        Step,
-    )
+    from febkit.solver.physics.biphasic import Biphasic
+    from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, Prescribed, Problem, Step
     from febkit.solver.solids.neo_hookean import NeoHookean
     from helpers import scenes
+    from helpers.scenes import UX, UY, UZ, P
 
     X, conn = scenes.grid((n, n, n))
     top = np.flatnonzero(X[:, 2] > 1 - 1e-9)
@@ -55,7 +45,7 @@ def problem(n: int) -> Any:
     auto = AutoStep(dtmax=0.05, dtmin=0.0, must_points=(0.05, 0.1, 0.15, 0.2))
     step = Step(analysis=TRANSIENT, dt=0.05, duration=0.2, auto=auto, conditions=conditions)
     step.saving.level = "PLOT_MUST_POINTS"
-    return Problem(X, [scenes.block("hex8", conn, NeoHookean(E=1.0, v=0.125), Mixture(ConstIso(0.02)))], [step])
+    return Problem(X, [scenes.block("hex8", conn, NeoHookean(E=1.0, v=0.125), Biphasic(ConstIso(0.02)))], [step])
 
 
 def measure(n: int, threads: int, linear: str) -> dict[str, float]:

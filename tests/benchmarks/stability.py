@@ -17,28 +17,18 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script: helpers are beside the benchmarks
+
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import (
-    TRANSIENT,
-    UX,
-    UY,
-    UZ,
-    AutoStep,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.result import Result
 from febkit.solver.run import Options, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Expression
 from helpers import scenes
+from helpers.scenes import UX, UY, UZ, P
 
 E, V, K = 0.6, 0.2, 0.5
 
@@ -93,7 +83,7 @@ def cube(
         X[:, 2] = np.expm1(a * X[:, 2]) / np.expm1(a)
     lower = X[conn].mean(axis=1)[:, 2] < np.median(X[conn].mean(axis=1)[:, 2])
     blocks = [
-        scenes.block("hex8", conn[where], NeoHookean(E=m, v=v), Mixture(ConstIso(k)))
+        scenes.block("hex8", conn[where], NeoHookean(E=m, v=v), Biphasic(ConstIso(k)))
         for where, m in ((lower, e), (~lower, e * stiff))
     ]
     ends = [np.flatnonzero(np.abs(X[:, 2] - z) < 1e-9) for z in (0.0, 1.0)]
@@ -146,7 +136,7 @@ def thin(dt: float) -> Problem:
         *held, Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Fixed(P, top), Prescribed(UZ, top, scenes.ramp(-0.1, 0.1))
     ]
     step = Step(analysis=TRANSIENT, dt=dt, count=round(0.2 / dt), conditions=conditions)
-    return Problem(X, [scenes.block("hex8", conn, NeoHookean(E=1.0, v=0.125), Mixture(ConstIso(0.002)))], [step])
+    return Problem(X, [scenes.block("hex8", conn, NeoHookean(E=1.0, v=0.125), Biphasic(ConstIso(0.002)))], [step])
 
 
 def pushed(dt: float) -> Outcome:
@@ -203,7 +193,7 @@ def turned(degrees: float, steps: int) -> Outcome:
     ]  # fmt: skip
     newton = NewtonOptions(dtol=1e-8, ptol=1e-8, etol=0.0)
     step = Step(analysis=TRANSIENT, dt=1 / steps, count=steps, newton=newton, conditions=conditions)
-    p = Problem(X, [scenes.block("hex8", conn, NeoHookean(E=E, v=V), Mixture(ConstIso(K)))], [step])
+    p = Problem(X, [scenes.block("hex8", conn, NeoHookean(E=E, v=V), Biphasic(ConstIso(K)))], [step])
     r = run(p, options=Options(threads=1))
     a = np.radians(degrees)
     R = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])

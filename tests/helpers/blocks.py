@@ -10,8 +10,9 @@ from febkit.solver.group import Group
 from febkit.solver.problem import DYNAMIC, Attached, Block, NewtonOptions, Problem, Step
 from febkit.solver.rigid import rotation
 from febkit.solver.rigid.bodies import Bodies
-from febkit.solver.rigid.body import Inert, Part, RigidBody
+from febkit.solver.rigid.body import Part, RigidBody
 from febkit.solver.schedule import Schedule
+from febkit.solver.solids.inert import Inert
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.state import State
 from febkit.solver.system import System

@@ -9,12 +9,15 @@ import numpy as np
 from febkit.solver.contact.surface import Facets
 from febkit.solver.group import Group
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import UX, UY, UZ, Block, Fixed, Mixture, Prescribed, Problem, Progress, Step
+from febkit.solver.physics import default
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import Block, Fixed, Prescribed, Problem, Progress, Step
 from febkit.solver.run import run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.state import State
 from febkit.solver.values import Constant
 from helpers import scenes
+from helpers.scenes import UX, UY, UZ
 
 E, V = 2.0, 0.3
 
@@ -49,7 +52,7 @@ class Pair:
         self.upper = _faces(high, above, 0.0, False) + len(low)
         solid = IsotropicElastic(E, V)
         self.blocks = [
-            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid, Mixture(ConstIso(0.5)) if biphasic else None)
+            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid, Biphasic(ConstIso(0.5)) if biphasic else default())
             for name, c in (("low", below), ("high", self.top))
         ]
 

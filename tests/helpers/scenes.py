@@ -8,22 +8,17 @@ from typing import Any
 import numpy as np
 
 from febkit.solver import elements
+from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import (
-    TRANSIENT,
-    UX,
-    UZ,
-    Block,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics import default
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Block, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.values import Constant, Expression, Map, Scaled
+
+# columns of solids and of biphasic models
+UX, UY, UZ = Layout([DISPLACEMENT]).displacement.tolist()
+P = Layout([DISPLACEMENT, PRESSURE]).column("p")
 
 # a linear problem takes one iteration, the next only proves it
 TIGHT: dict[str, Any] = dict(
@@ -97,8 +92,8 @@ def skin(X: Any) -> Any:
     return np.flatnonzero(((X < 1e-9) | (X > 1 - 1e-9)).any(axis=1))
 
 
-def block(kind: str, conn: Any, solid: Any, mixture: Any = None, **kw: Any) -> Block:
-    return Block("part", kind, conn, np.arange(1, len(conn) + 1), solid, mixture, **kw)
+def block(kind: str, conn: Any, solid: Any, physics: Any = None, **kw: Any) -> Block:
+    return Block("part", kind, conn, np.arange(1, len(conn) + 1), solid, physics or default(), **kw)
 
 
 def prescribe(nodes: Any, values: Any, first: int = UX) -> list[Prescribed]:
@@ -130,7 +125,7 @@ def column(
     if top is not None:
         conditions.append(Prescribed(UZ, np.flatnonzero(X[:, 2] > h - 1e-9), ramp(top, 1.0)))
     step = Step(analysis=TRANSIENT, newton=tight(dtol=1e-7, ptol=1e-7, min_residual=1e-30), conditions=conditions)
-    return Problem(X, [block("hex8", conn, solid, Mixture(ConstIso(k)))], [step])
+    return Problem(X, [block("hex8", conn, solid, Biphasic(ConstIso(k)))], [step])
 
 
 def top_quads(n: int) -> Any:

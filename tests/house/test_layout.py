@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import tomllib
 from pathlib import Path
 
@@ -95,3 +96,26 @@ def test_tests_share_what_helpers_holds() -> None:
 def test_links_for_static_readers() -> None:
     for name in ("solver", "templates"):
         assert (ROOT / "febkit" / name).resolve() == ROOT / name
+
+
+# nodal arrays (node, column) indexed by a number, and tables of columns: only solver/fields.py may know one
+_COLUMN = re.compile(
+    r"(?:\.(?:d|d_old|kind|eq)|\b(?:R|total|active))\[[^\[\]]*,\s*:?\d+:?\s*\]"
+    r"|\b(?:UX|UY|UZ|COLUMNS?|PRESSURE_COLUMN)\b"
+)
+_NODAL = [
+    p for folder in ("solver", "febkit/lower", "febkit/output") for p in sorted((ROOT / folder).rglob("*.py"))
+    if p.relative_to(ROOT / folder).parts[0] not in ("kernels", "solids", "elements")
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("path", _NODAL, ids=lambda p: str(p.relative_to(ROOT)))
+def test_columns_of_nodal_arrays_have_names(path: Path) -> None:
+    found = [f"{k}: {line.strip()}" for k, line in enumerate(path.read_text().splitlines(), 1) if _COLUMN.search(line)]
+    assert not found
+
+
+def test_what_names_a_column_is_found() -> None:
+    for line in ("s.d[:, 3]", "s.d[:, :3]", "R[self.row, :3] += f", "eqs.kind[n, 3]", "from x import UX, P"):
+        assert _COLUMN.search(line)
+    assert not _COLUMN.search("s.d[:, column]") and not _COLUMN.search("q.d[:3]")

@@ -61,7 +61,7 @@ class Energy(Listener):
 
 def test_a_three_field_shell_keeps_its_energy(tmp_path: Path) -> None:
     problem, energy = lower(cube.read(tmp_path, shell(tmp_path))), Energy()
-    assert problem.blocks[0].formulation == "three-field"
+    assert problem.blocks[0].physics.name == "three-field"
     result = Run(problem, [energy]).solve()
     assert result.converged, result.reason
     assert max(energy.strain) > 5e-4

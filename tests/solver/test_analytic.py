@@ -11,10 +11,12 @@ from scipy.optimize import brentq
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import TRANSIENT, Fixed, Mixture, P, Problem, Step
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Fixed, Problem, Step
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from helpers import scenes
+from helpers.scenes import P
 
 E, V, K = 0.6, 0.2, 0.5
 HA = E * (1 - V) / ((1 + V) * (1 - 2 * V))  # aggregate modulus
@@ -152,7 +154,7 @@ def _sphere(n: int, layers: int, dt: float, v: float = 0.0) -> tuple[Any, Any]:
     step = Step(analysis=TRANSIENT, dt=dt, count=round(0.25 / dt), newton=newton, conditions=conditions)
     step.loads = [Pressure(patches({"quad4": quads}, X), pressure=load, linear=True)]
     c = 1.0 * (1 - v) / ((1 + v) * (1 - 2 * v))
-    block = scenes.block("hex8", conn, IsotropicElastic(1.0, v), Mixture(ConstIso(1.0 / c)))
+    block = scenes.block("hex8", conn, IsotropicElastic(1.0, v), Biphasic(ConstIso(1.0 / c)))
     center = int(np.argmin((X**2).sum(1)))
     return _solve(Problem(X, [block], [step]), lambda r: r.state.p[center] / load)
 

@@ -12,24 +12,14 @@ from febkit.solver.finite import whole
 from febkit.solver.loads.body_force import BodyForce
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
-from febkit.solver.problem import (
-    TRANSIENT,
-    UX,
-    UZ,
-    AutoStep,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.solids.solid_mixture import SolidMixture
 from febkit.solver.values import Expression, Map
 from helpers import scenes
+from helpers.scenes import UX, UZ, P
 
 OPTIONS = Options(threads=1, linear="dense")
 
@@ -91,7 +81,7 @@ def test_a_formula_that_fails_at_a_place_or_a_time_is_named() -> None:
 
 
 @pytest.mark.parametrize("mixture", [
-    Mixture(ConstIso(nan)), Mixture(ConstIso(1.0), Map(np.array([0.2, nan]))), Mixture(HolmesMow(1.0, inf, 0.2)),
+    Biphasic(ConstIso(nan)), Biphasic(ConstIso(1.0), Map(np.array([0.2, nan]))), Biphasic(HolmesMow(1.0, inf, 0.2)),
 ])  # fmt: skip
 def test_no_first_state_holds_a_flux_that_is_not_finite(mixture: Any) -> None:
     kept = Saved()

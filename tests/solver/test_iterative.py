@@ -15,27 +15,16 @@ from febkit.solver.linear.krylov import fgmres, matvec
 from febkit.solver.linear.superlu import SuperLU
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
-from febkit.solver.problem import (
-    STATIC,
-    TRANSIENT,
-    UX,
-    UY,
-    UZ,
-    Block,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics import default
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import STATIC, TRANSIENT, Block, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.run import Options, Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
-from febkit.solver.storage import layout, storage
+from febkit.solver.storage import storage, unknowns
 from febkit.solver.system import System
 from febkit.solver.values import Constant
 from helpers import scenes
+from helpers.scenes import UX, UY, UZ, P
 
 EXACT = 1e-6  # of single solves; runs are solved to less
 
@@ -52,7 +41,7 @@ def cube(n: int, contrast: float = 1.0, fluid: bool = True, permeability: Any = 
     ids = np.arange(1, len(conn) + 1)
 
     def part(name: str, of: Any, stiffness: float) -> Block:
-        mixture = Mixture(permeability or ConstIso(1.0 / E)) if fluid else None
+        mixture = Biphasic(permeability or ConstIso(1.0 / E)) if fluid else default()
         return Block(name, "hex8", conn[of], ids[of], NeoHookean(E=stiffness, v=0.2), mixture)
 
     top, bottom = np.flatnonzero(X[:, 2] > 1 - 1e-9), np.flatnonzero(X[:, 2] < 1e-9)
@@ -79,7 +68,7 @@ def system(problem: Problem, dt: float) -> tuple[System, Matrix, Any]:
 def _compare(problem: Problem, dt: float, most: int) -> int:
     """Solve both ways; the iterations taken."""
     s, A, b = system(problem, dt)
-    solver, direct = Iterative(layout(s), EXACT), SuperLU()
+    solver, direct = Iterative(unknowns(s), EXACT), SuperLU()
     solver.factor(A)
     direct.factor(A)
     x, y = solver.solve(b), direct.solve(b)
@@ -122,7 +111,7 @@ def test_iterations_stay_as_the_mesh_is_refined(dt: float) -> None:
     taken = []
     for n in (6, 12, 16):
         s, A, b = system(cube(n), dt)
-        solver = Iterative(layout(s), EXACT)
+        solver = Iterative(unknowns(s), EXACT)
         solver.factor(A)
         solver.solve(b)
         taken.append(solver.stats["iterations"])
@@ -154,7 +143,7 @@ def test_points_without_stiffness_store_no_more() -> None:
         core = next(g for g in s.groups if g.block.name == "core")
         assert (core.J.max() > 2.2) == (growth > 0)
         A, _ = s.tangent(np.zeros(s.eqs.n))
-        solver = Iterative(layout(s), EXACT)
+        solver = Iterative(unknowns(s), EXACT)
         solver.factor(A)
         solver.solve(np.random.default_rng(3).standard_normal(A.n))
         taken.append(solver.stats["iterations"])
@@ -206,7 +195,7 @@ def test_a_stall_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
     s, A, b = system(cube(6), 1e-4)
     monkeypatch.setattr(iterative, "MOST", 2)
-    solver = Iterative(layout(s), EXACT)
+    solver = Iterative(unknowns(s), EXACT)
     solver.factor(A)
     with pytest.raises(Stalled, match=r"stalled: relative residual .* after 2 iterations"):
         solver.solve(b)
@@ -216,7 +205,7 @@ def test_without_pyamg(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(amg, "find_spec", lambda name: None)
     s, _, _ = system(cube(2), 1.0)
     with pytest.raises(LinearError, match=r"pip install 'febkit\[amg\]'"):
-        choose("iterative", 10, 1, layout=layout(s))
+        choose("iterative", 10, 1, unknowns=unknowns(s))
 
 
 def test_out_of_memory_says_what_to_try() -> None:
@@ -248,7 +237,7 @@ def test_the_elastic_hierarchy_is_kept() -> None:
     """Two tangents of neighbouring states need one set-up, and as many iterations."""
     problem = cube(6)
     s, A, b = system(problem, 0.05)
-    solver = Iterative(layout(s), EXACT)
+    solver = Iterative(unknowns(s), EXACT)
     solver.factor(A)
     x = solver.solve(b)
     first = solver.stats["iterations"]

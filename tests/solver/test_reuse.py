@@ -9,24 +9,14 @@ import pytest
 
 from febkit.solver.linear.base import Matrix
 from febkit.solver.linear.krylov import gmres, matvec
-from febkit.solver.problem import (
-    TRANSIENT,
-    UX,
-    UY,
-    UZ,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.quasi_newton import Anderson
 from febkit.solver.run import Options, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled
 from helpers import scenes
+from helpers.scenes import UX, UY, UZ, P
 
 
 def relaxing(n: int = 4) -> Problem:
@@ -42,7 +32,7 @@ def relaxing(n: int = 4) -> Problem:
         *holds, Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Prescribed(UZ, top, ramp), Fixed(P, top),
     ]  # fmt: skip
     block = Block("column", "hex8", conn, np.arange(1, len(conn) + 1), NeoHookean(E=1.0, v=0.2),
-                  Mixture(ConstIso(perm=0.05)))  # fmt: skip
+                  Biphasic(ConstIso(perm=0.05)))  # fmt: skip
     newton = NewtonOptions(dtol=1e-4, etol=1e-8, ptol=1e-4)
     step = Step(analysis=TRANSIENT, dt=0.1, count=30, newton=newton, conditions=conditions)
     return Problem(X, [block], [step])

@@ -11,24 +11,14 @@ from febkit.solver.linear.base import LinearError, Matrix
 from febkit.solver.linear.choose import choose
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
-from febkit.solver.problem import (
-    STATIC,
-    TRANSIENT,
-    UX,
-    UZ,
-    AutoStep,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics import default
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import STATIC, TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.solids.neo_hookean import NeoHookean
 from helpers import scenes
+from helpers.scenes import UX, UZ, P
 
 
 def squeezed(newton: NewtonOptions, n: int = 3, top: float = -0.2, permeability: Any = None, **kw: Any) -> Problem:
@@ -39,7 +29,7 @@ def squeezed(newton: NewtonOptions, n: int = 3, top: float = -0.2, permeability:
     conditions: list[Any] = [Fixed(c, low) for c in range(UX, UZ + 1)] + [Fixed(c, high) for c in (0, 1)]
     conditions += [Fixed(P, side), Prescribed(UZ, high, scenes.ramp(top, 1.0))]
     step = Step(analysis=TRANSIENT, **{"dt": 0.25, "count": 4, **kw}, newton=newton, conditions=conditions)
-    block = scenes.block("hex8", conn, NeoHookean(1.0, 0.2), Mixture(permeability or ConstIso(0.1)))
+    block = scenes.block("hex8", conn, NeoHookean(1.0, 0.2), Biphasic(permeability or ConstIso(0.1)))
     return Problem(X, [block], [step])
 
 
@@ -73,7 +63,7 @@ def test_newton_converges_quadratically(law: Any) -> None:
             norms.append(it.norms["residual"].now ** 0.5)
 
     p = squeezed(scenes.tight(dtol=1e-10, min_residual=1e-28), top=-0.1, count=1, dt=1.0)
-    p.blocks[0].solid, p.blocks[0].mixture = law, None
+    p.blocks[0].solid, p.blocks[0].physics = law, default()
     p.steps[0].analysis = STATIC
     p.steps[0].conditions = [c for c in p.steps[0].conditions if c.column != P]
     assert run(p, [Watch()], Options(threads=1)).converged

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from febkit.solver.fields import DISPLACEMENT, Layout
 from febkit.solver.group import Group
 from febkit.solver.loads import springs
 from febkit.solver.loads.nodal import NodalForce
@@ -110,10 +110,11 @@ def test_springs_pull_along_their_line(name: str) -> None:
     rest = np.linalg.norm(X[PAIRS[:, 1]] - X[PAIRS[:, 0]], axis=1)
     cls, fields = LAWS[name]
     load = cls(PAIRS, rest, **fields)
-    s = SimpleNamespace(X=X, d=0.2 * RNG.normal(size=X.shape), d_old=0.1 * RNG.normal(size=X.shape), time=1.0, dt=0.4)
+    zero = [np.zeros_like(X) for _ in range(5)]
+    u, u_old = 0.2 * RNG.normal(size=X.shape), 0.1 * RNG.normal(size=X.shape)
+    s = State(Layout([DISPLACEMENT]), X, u, u_old, *zero, time=1.0, dt=0.4)
 
     def forces() -> np.ndarray:
-        s.x = X + s.d
         R = np.zeros_like(s.d)
         load.residual(s, R)
         return R.ravel()

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from febkit.solver import contact
-from febkit.solver.problem import TRANSIENT, Fixed, P
+from febkit.solver.problem import TRANSIENT, Fixed
 from helpers import pair as scene
+from helpers.scenes import P
 
 TYPES = sorted(n for n in contact.TYPES if "biphasic" in n)
 

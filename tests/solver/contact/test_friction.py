@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from febkit.solver import contact
-from febkit.solver.problem import UX, UY, UZ, Fixed, Prescribed, Problem, Progress, Step
+from febkit.solver.problem import Fixed, Prescribed, Problem, Progress, Step
 from febkit.solver.values import Constant, Scaled
 from helpers import pair as scene
+from helpers.scenes import UX, UY, UZ
 
 
 def make(p: scene.Pair, mu: float, **kw: Any) -> Any:

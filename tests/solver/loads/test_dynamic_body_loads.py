@@ -11,18 +11,8 @@ import pytest
 from febkit.solver import loads
 from febkit.solver.group import Group
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import (
-    DYNAMIC,
-    STATIC,
-    TRANSIENT,
-    UX,
-    UZ,
-    Fixed,
-    Initial,
-    Mixture,
-    Problem,
-    Step,
-)
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import DYNAMIC, STATIC, TRANSIENT, Fixed, Initial, Problem, Step
 from febkit.solver.run import Options, run
 from febkit.solver.schedule import Schedule
 from febkit.solver.solids.neo_hookean import NeoHookean
@@ -31,6 +21,7 @@ from febkit.solver.system import System
 from febkit.solver.threads import Team
 from febkit.solver.values import Constant, Scaled
 from helpers import scenes
+from helpers.scenes import UX, UZ
 
 RNG = np.random.default_rng(11)
 DT = 0.2
@@ -48,7 +39,7 @@ NEWMARK = [  # rho_inf, beta, gamma; -2 takes beta and gamma as they are given
 def system(load: Any, analysis: str, options: dict[str, float] | None = None) -> System:
     """Two elements in motion in the middle of a step; ``load`` alone acts on them, if any."""
     X, conn = scenes.box("hex8", (1, 1, 2))
-    mixture = Mixture(ConstIso(0.3), Constant(0.2), Constant(0.9)) if analysis == TRANSIENT else None
+    mixture = Biphasic(ConstIso(0.3), Constant(0.2), Constant(0.9)) if analysis == TRANSIENT else None
     step = Step(analysis=analysis, newton=scenes.tight(**(options or {})), body_loads=[] if load is None else [load])
     base = np.flatnonzero(X[:, 2] < 1e-9)
     step.conditions = [Fixed(c, base) for c in range(UX, UZ + 1)]

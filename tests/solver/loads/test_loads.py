@@ -2,34 +2,49 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from febkit.solver import elements, loads
-from febkit.solver.kernels import solid as solid_kernels
+from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout
+from febkit.solver.group import Group
 from febkit.solver.loads.base import Patch, patches
-from febkit.solver.values import Expression, Map
+from febkit.solver.permeabilities.const_iso import ConstIso
+from febkit.solver.physics import default
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import Block
+from febkit.solver.solids.inert import Inert
+from febkit.solver.state import State
+from febkit.solver.values import Constant, Expression, Map
 
 RNG = np.random.default_rng(3)
 FACETS = elements.FACETS
 DT = 0.3
 
 
-def state(X: np.ndarray, columns: int = 4, **kw: Any) -> SimpleNamespace:
+def at(X: np.ndarray, columns: int = 3, **kw: Any) -> State:
+    """A nodal state at rest, with 3 columns, or 4 where there is a fluid pressure."""
+    layout, zero = Layout([DISPLACEMENT, PRESSURE][: columns - 2]), lambda k: np.zeros((len(X), k))
+    s = State(layout, X, zero(columns), zero(columns), *(zero(3) for _ in range(5)))
+    for name, value in kw.items():
+        setattr(s, name, value)
+    return s
+
+
+def state(X: np.ndarray, columns: int = 4, **kw: Any) -> State:
     """A nodal state moved by a fixed random motion."""
-    s = SimpleNamespace(X=X, d=np.zeros((len(X), columns)), time=1.0, dt=DT, extra={}, **kw)
-    s.d[:, :3] = 0.08 * RNG.normal(size=X.shape)
-    if columns > 3:
-        s.d[:, 3] = RNG.uniform(0.5, 1.5, len(X))
+    s = at(X, columns, time=1.0, dt=DT, **kw)
+    s.u[:] = 0.08 * RNG.normal(size=X.shape)
+    if s.p is not None:
+        s.p[:] = RNG.uniform(0.5, 1.5, len(X))
     follow(s)
     return s
 
 
-def follow(s: SimpleNamespace) -> None:
-    s.x, s.velocity, s.velocity_old = s.X + s.d[:, :3], s.d[:, :3] / DT, None
+def follow(s: State) -> None:
+    s.velocity = s.u / DT
 
 
 def facet(kind: str) -> tuple[np.ndarray, tuple[Patch, ...]]:
@@ -41,13 +56,13 @@ def facet(kind: str) -> tuple[np.ndarray, tuple[Patch, ...]]:
     return X, patches({kind: np.arange(2 * e.nodes).reshape(2, -1)}, X)
 
 
-def forces(load: Any, s: SimpleNamespace, *groups: Any) -> np.ndarray:
+def forces(load: Any, s: State, *groups: Any) -> np.ndarray:
     R = np.zeros_like(s.d)
     load.residual(s, *groups, R)
     return R
 
 
-def assembled(load: Any, s: SimpleNamespace, groups: Any = None) -> np.ndarray:
+def assembled(load: Any, s: State, groups: Any = None) -> np.ndarray:
     n, c = s.d.shape
     out = np.zeros((n * c, n * c))
     for K, nodes, columns in load.stiffness(s, groups):
@@ -57,7 +72,7 @@ def assembled(load: Any, s: SimpleNamespace, groups: Any = None) -> np.ndarray:
     return out
 
 
-def measured(load: Any, s: SimpleNamespace, update: Any = None, groups: tuple = ()) -> np.ndarray:
+def measured(load: Any, s: State, update: Any = None, groups: tuple = ()) -> np.ndarray:
     """-dR/dd by central differences."""
     n, c = s.d.shape
     out, h = np.zeros((n * c, n * c)), 1e-6
@@ -140,7 +155,7 @@ def test_a_closed_surface_under_uniform_pressure(kind: str) -> None:
 
 def test_pressure_pushes_against_the_normal() -> None:
     X = np.array([(0, 0, 0), (2, 0, 0), (2, 3, 0), (0, 3, 0)], dtype=float)
-    s = SimpleNamespace(X=X, d=np.zeros((4, 3)), time=0.0, dt=0.0, extra={})
+    s = at(X)
     surface = patches({"quad4": np.arange(4)[None]}, X)
     R = forces(loads.load("pressure")(surface, pressure=5.0), s)
     np.testing.assert_allclose(R, [[0, 0, -7.5]] * 4)
@@ -154,7 +169,7 @@ def test_pressure_pushes_against_the_normal() -> None:
 
 def test_fluid_flux_is_area_times_flux_times_step() -> None:
     X = np.array([(0, 0, 0), (2, 0, 0), (0, 3, 0)], dtype=float)
-    s = SimpleNamespace(X=X, d=np.zeros((3, 4)), velocity=np.zeros((3, 3)), time=0.0, dt=0.1, extra={})
+    s = at(X, 4, dt=0.1)
     R = forces(loads.load("fluidflux")(patches({"tri3": np.arange(3)[None]}, X), flux=2.0), s)
     np.testing.assert_allclose(R[:, 3], 0.2)
 
@@ -182,7 +197,7 @@ def test_bearing_load_adds_up_to_its_force(profile: int) -> None:
     force = turn @ np.array([3.0, -4.0, 0.5])
     surface = patches({"quad4": np.column_stack([a, b, b + 1, a + 1])}, X)
     load = loads.load("bearing load")(surface, force=tuple(force), scale=2.0, profile=profile)
-    s = SimpleNamespace(X=X, d=np.zeros((len(X), 3)), time=0.0, dt=0.0, extra={})
+    s = at(X)
     got = forces(load, s).sum(axis=0)
     expected = 2.0 * np.linalg.norm(force) * turn @ np.array([0.6, -0.8, 0.0])
     np.testing.assert_allclose(got, expected, rtol=1e-3, atol=1e-3)
@@ -224,32 +239,21 @@ def test_relative_and_target_nodal_loads() -> None:
 
 
 # ---- body loads ---------------------------------------------------------------------------------------
-def group(kind: str, s: SimpleNamespace, mixture: Any = None) -> tuple[SimpleNamespace, Any]:
-    """One element as the solver's groups present it."""
-    e = elements.get(kind, "G4") if kind == "tet4" else elements.get(kind)
-    conn = np.arange(e.nodes, dtype=np.int32)[None]
-    g = e.npoints
-    iJ0, wJ0 = np.empty((1, g, 3, 3)), np.empty((1, g))
-    solid_kernels.reference(s.X, conn, e.dN, e.weights, iJ0, wJ0)
-    F, J = np.empty((1, g, 3, 3)), np.empty((1, g))
-    Xg = e.N @ s.X[conn[0]]
-    solid = SimpleNamespace(density=lambda pts: np.array([2.0]))
-    block = SimpleNamespace(name="part", mixture=mixture, solid=solid)
-    out = SimpleNamespace(
-        block=block, conn=conn, N=e.N, dN=e.dN, iJ0=iJ0, wJ0=wJ0, F=F, J=J, m=1, g=g, n=e.nodes,
-        points=lambda: SimpleNamespace(X=Xg, e=np.zeros(g, dtype=int), t=s.time),
-    )
+def group(kind: str, s: State, physics: Any = None) -> tuple[Group, Any]:
+    """One element, deformed as the state has it."""
+    conn = np.arange(elements.get(kind).nodes)[None]
+    block = Block("part", kind, conn, np.array([1]), Inert(density_=2.0), physics or default())
+    block.rule = "G4" if kind == "tet4" else None
+    g = Group(block, s.X)
 
     def update() -> None:
-        solid_kernels.kinematics(0, 1, s.x - s.X, conn, e.dN, iJ0, F, J)
+        g.deform(s.u, g.F, g.J)
 
     update()
-    return out, update
+    return g, update
 
 
-MIXTURE = SimpleNamespace(
-    phi0=lambda t, X, e: np.array([0.3]), fluid_density=lambda t, X, e: np.array([0.9])
-)
+MIXTURE = Biphasic(ConstIso(1.0), Constant(0.3), Constant(0.9))
 BODY = {
     "centrifugal": {
         "angular_speed": 1.3, "rotation_axis": (0.0, 0.6, 0.8), "rotation_center": (0.1, 0.0, 0.0),

@@ -148,7 +148,7 @@ def test_what_cannot_be_had_with_bodies() -> None:
     with pytest.raises(ValueError, match="multigrid"):
         run(one_box(dt=1.0, count=1), options=Options(linear="iterative"))
     problem = one_box(dt=1.0, count=1, analysis="transient")
-    problem.__class__ = type("Mixed", (Problem,), {"biphasic": True})
+    problem.__class__ = type("Mixed", (Problem,), {"diffuses": True})
     assert "rigid bodies" in refusal(problem)
 
 

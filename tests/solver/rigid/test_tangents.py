@@ -105,7 +105,7 @@ def test_of_a_soft_cube_between_bodies(symmetric: bool | None) -> None:
     blocks.shaken(s, 0.05)
     exact, got = blocks.measured(s), blocks.assembled(s)
     R = np.zeros_like(s.state.d)
-    s.groups[0].residual(0, 1, s.state, R, False)
+    s.groups[0].physics.residual(0, 1, s.state, R, False)
     z = s.bodies._arms(s.state, 1.0)
     for k, node in enumerate(s.bodies.nodes):
         e = s.eqs.eq[s.bodies.owner[node] + 1, :3]

@@ -1,0 +1,256 @@
+"""A porous solid and the fluid in its pores: displacement and fluid pressure, backward Euler.
+
+FEBio theory manual, "Biphasic" finite elements; what the integrals are is said in :mod:`..kernels.biphasic`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..fields import DISPLACEMENT, PRESSURE, Field
+from ..kernels import biphasic, blocks, projection
+from ..points import Points
+from ..tangent import upper_blocks
+from ..values import Constant, Value
+from . import register
+from .base import Floats, Physics, Work
+from .standard import StandardWork
+
+if TYPE_CHECKING:
+    from ..group import Chunk, Group
+    from ..state import State
+    from ..tangent import Target, Workspace
+
+_NONE = np.zeros((0, 0))
+
+
+@dataclass(slots=True)
+class _Laws:
+    """What the laws of a chunk give at its points: stress and tangent of the solid, permeability, its tangent, supply
+    with its derivatives."""
+
+    s: Floats
+    C: Floats
+    k: Floats
+    dk: Floats | None
+    supply: tuple[Floats, Floats, Floats] | None
+
+    def part(self, p: slice) -> _Laws:
+        """Those of some of its points."""
+        supply = None if self.supply is None else (self.supply[0][p], self.supply[1][p], self.supply[2][p])
+        return _Laws(self.s[p], self.C[p], self.k[p], None if self.dk is None else self.dk[p], supply)
+
+
+class BiphasicWork(StandardWork):
+    """At the points: pressure pg (m, g), its gradient gp (m, g, 3), fluid flux w (m, g, 3), supply; Jp (m, g) is the
+    relative volume at the last converged state."""
+
+    memory: ClassVar[tuple[str, ...]] = ("s", "Jp", "pg", "gp", "w")
+
+    held: ClassVar[Mapping[str, str]] = {
+        **StandardWork.held, "pg": "fluid pressure", "w": "fluid flux", "supply": "fluid supply",
+    }  # fmt: skip
+
+    def __init__(self, group: Group, physics: Biphasic) -> None:
+        super().__init__(group, physics)
+        m, g = group.m, group.g
+        self.mixture = physics
+        self.Jp = np.ones((m, g))
+        self.pgp = _NONE  # pressures at the last converged state, for the projection alone
+        self.pg, self.gp, self.w = np.zeros((m, g)), np.zeros((m, g, 3)), np.zeros((m, g, 3))
+        self.supply = np.zeros((m, g)) if physics.supply is not None else _NONE
+        self.steady_pressure: Floats | None = None  # coefficient of the projection (m,)
+
+    def symmetric(self, steady: bool) -> bool:
+        mix = self.mixture
+        own = super().symmetric(steady) and not mix.permeability.strain_dependent and mix.supply is None
+        return own and not steady
+
+    def stabilise(self, tau: float) -> None:
+        """Steady the pressure by projection (:mod:`..kernels.projection`), c from the moduli at rest."""
+        g = self.group
+        pts = g.at_rest()
+        s, C = np.zeros((pts.n, 6)), np.zeros((pts.n, 6, 6))
+        g.block.solid.stress(pts, s, C)
+        diagonal = C[:, range(6), range(6)].reshape(g.m, g.g, 6).mean(axis=1)
+        shear, aggregate = diagonal[:, 3:].mean(axis=1), diagonal[:, :3].mean(axis=1)
+        self.pgp = np.zeros((g.m, g.g))
+        self.steady_pressure = tau * np.maximum(0.5 / shear, 3.0 / aggregate)
+
+    # ---- laws -------------------------------------------------------------------------------------
+    def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
+        super().update(c, state, drive)
+        g, mix = self.group, self.mixture
+        self._pressures(c.lo, c.hi, state)
+        k = self._permeability(c)[0]
+        b = np.zeros((0, 3)) if not drive else self._drive(c, drive)
+        biphasic.flux(c.lo, c.hi, k, self.gp, b, self.w)
+        if mix.supply is not None:
+            q = np.zeros(c.points.n)
+            mix.supply.supply(c.points, self.pg[c.lo : c.hi].reshape(-1), q, None, None)
+            self.supply[c.lo : c.hi] = q.reshape(-1, g.g)
+
+    def _pressures(self, lo: int, hi: int, state: State) -> None:
+        """Pressures and their gradients at the points of elements lo:hi."""
+        g, p = self.group, np.ascontiguousarray(state.layout.scalar(state.d, PRESSURE.name))
+        biphasic.pressures(lo, hi, g.conn, g.N, g.dN, g.iJ0, g.F, g.J, p, self.pg, self.gp)
+
+    def _drive(self, c: Chunk, drive: list[Any]) -> Floats:
+        b = np.zeros((c.points.n, 3))
+        for load in drive:
+            b += load.force(c.points)
+        return b * self.mixture.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
+
+    def _permeability(self, c: Chunk, tangent: bool = False) -> tuple[Floats, Floats | None]:
+        mix, pts = self.mixture, c.points
+        k = np.zeros((pts.n, 6))
+        dk = np.zeros((pts.n, 6, 6)) if tangent and mix.permeability.strain_dependent else None
+        phi = mix.phi0(pts.t, pts.X, pts.e)
+        mix.permeability.permeability(pts, phi, k, dk)
+        return k, dk
+
+    def _supply_tangent(self, c: Chunk) -> tuple[Floats, Floats, Floats]:
+        """Solvent supply of a chunk's points, and its derivatives by strain and pressure."""
+        pts = c.points
+        rate, dE, dp = np.zeros(pts.n), np.zeros((pts.n, 6)), np.zeros(pts.n)
+        self.mixture.supply.supply(pts, self.pg[c.lo : c.hi].reshape(-1), rate, dE, dp)
+        return rate, dE, dp
+
+    # ---- residual and tangent ---------------------------------------------------------------------
+    def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
+        g = self.group
+        Ru, Rp = state.layout.u(R), state.layout.scalar(R, PRESSURE.name)
+        biphasic.internal_force(
+            lo, hi, g.conn, g.N, g.dN, g.iJ0, g.wJ0, g.F, g.J, self.Jp, self.s, self.pg, self.w, self.supply,
+            state.dt, steady, Ru, Rp,
+        )  # fmt: skip
+        if self.steady_pressure is not None and not steady:
+            projection.force(lo, hi, g.conn, g.N, g.wJ0, self.steady_pressure, self.pg, self.pgp, Rp)
+
+    def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
+        q = (c.hi - c.lo) * self.group.g
+        s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
+        c.points.t, c.points.dt = state.time, state.dt
+        self.moduli(c, s, C)
+        k, dk = self._permeability(c, tangent=True)
+        supply = self._supply_tangent(c) if self.mixture.supply is not None else None
+        laws = _Laws(s, C, k, dk, supply)
+        for lo, hi, _, p in self.group.pieces(c):
+            self._add_fluid(lo, hi, laws.part(p), state.dt, target, work, steady)
+
+    def _add_fluid(
+        self, lo: int, hi: int, laws: _Laws, dt: float, target: Target, work: Workspace, steady: bool
+    ) -> None:  # fmt: skip
+        """The tangents of elements lo:hi."""
+        g, n, nd = self.group, hi - lo, 4 * self.group.n
+        stab = None if steady else self.steady_pressure
+        if g.block.solid.symmetric:
+            B, U = upper_blocks(g, lo, hi, laws.s, laws.C, work, (self.pg, laws.k, dt))
+            if stab is not None:
+                projection.tangent(lo, hi, g.N, g.wJ0, stab, B, 6 * g.n, 0)
+            if target.pat.symmetric and laws.dk is None and laws.supply is None and not steady:
+                target.add_blocks(g, lo, hi, B, U)
+                return
+            K = work.take("K", n, nd, nd)
+            blocks.expand(n, B, U, steady, K)
+        else:
+            K = work.take("K", n, nd, nd)
+            se, Ce = laws.s.reshape(-1, g.g, 6), laws.C.reshape(-1, g.g, 6, 6)
+            biphasic.stiffness(lo, hi, g.N, *g.geometry, se, Ce, self.pg, laws.k, dt, steady, K)
+            if stab is not None:
+                projection.tangent(lo, hi, g.N, g.wJ0, stab, K, 3 * g.n, 3 * g.n)
+        if laws.dk is not None:
+            biphasic.permeability_coupling(lo, hi, *g.geometry, self.gp, laws.dk, dt, K)
+        if laws.supply is not None:
+            biphasic.supply_coupling(lo, hi, g.N, *g.geometry, *laws.supply, dt, K)
+        target.add(g, lo, hi, K)
+
+    # ---- steps ------------------------------------------------------------------------------------
+    def start(self, state: State) -> None:
+        self._pressures(0, self.group.m, state)
+
+    def begin_step(self, state: State) -> None:
+        self.Jp = self.group.J.copy()
+        if self.steady_pressure is not None:
+            self.pgp = self.pg.copy()
+
+    def rates(self) -> list[tuple[Floats, Floats]]:
+        out = [(self.Jp, self.group.J)]
+        return out if self.steady_pressure is None else [*out, (self.pgp, self.pg)]
+
+    # ---- what others ask --------------------------------------------------------------------------
+    def mass(self) -> tuple[Floats, Floats | None]:
+        """rho = phi0 rho_s + (J - phi0) rho_w, the pores closing at J = phi0; what comes with volume, times J."""
+        g, pts = self.group, self.group.points()
+        shape = g.m, g.g
+        solid = super().mass()[0]
+        phi0 = self.solid_fraction()
+        fluid = np.broadcast_to(self.mixture.fluid_density(pts.t, pts.X, pts.e), g.m * g.g).reshape(shape)
+        pores = np.maximum(g.J - phi0, 0.0)
+        grows = np.where(pores > 0, fluid, solid)
+        return solid * (g.J - pores) + fluid * pores, grows
+
+    def swells(self) -> bool:
+        pts = self.group.points()
+        return bool(np.any(self.mixture.fluid_density(pts.t, pts.X, pts.e)))
+
+    def tangents(self, pts: Points) -> list[tuple[str, Floats]]:
+        mix, k = self.mixture, np.zeros((pts.n, 6))
+        dk = np.zeros((pts.n, 6, 6)) if mix.permeability.strain_dependent else None
+        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
+        return super().tangents(pts) + [("permeability", q) for q in (k, dk) if q is not None]
+
+    def permeability(self, pts: Points) -> Floats:
+        k = np.zeros((pts.n, 6))
+        self.mixture.permeability.permeability(pts, self.mixture.phi0(pts.t, pts.X, pts.e), k, None)
+        return k
+
+    def solid_fraction(self) -> Floats:
+        """Referential solid volume fraction (m, g)."""
+        g, pts = self.group, self.group.points()
+        return np.broadcast_to(self.mixture.phi0(pts.t, pts.X, pts.e), (g.m * g.g,)).reshape(g.m, g.g)
+
+    def total_stress(self) -> Floats:
+        """Stress of the mixture s - p I (m, g, 6)."""
+        s = self.s.copy()
+        s[..., :3] -= self.pg[..., None]
+        return s
+
+    def load_support(self) -> Floats:
+        """Interstitial fluid load support -p / sigma_n of the mean stress: here -3 p / tr sigma."""
+        trace = self.total_stress()[..., :3].sum(axis=-1)
+        return np.divide(-3.0 * self.pg, trace, out=np.zeros_like(trace), where=trace != 0)
+
+    outputs = {
+        **StandardWork.outputs,
+        "stress": lambda w: w.total_stress(),
+        "fluid pressure": lambda w: w.pg,
+        "fluid flux": lambda w: w.w,
+        "fluid load support": lambda w: w.load_support(),
+        "porosity": lambda w: np.maximum(1.0 - w.solid_fraction() / w.group.J, 0.0),
+        "referential solid volume fraction": lambda w: w.solid_fraction(),
+    }
+
+
+@dataclass(eq=False)
+class Biphasic(Physics):
+    """Permeability, phi0 (referential solid volume fraction), true density of the fluid, solvent supply."""
+
+    permeability: Any
+    phi0: Value = field(default_factory=lambda: Constant(0.0))
+    fluid_density: Value = field(default_factory=lambda: Constant(0.0))
+    supply: Any = None
+    name: ClassVar[str] = "biphasic"
+    rates: ClassVar[bool] = True
+    work: ClassVar[type[Work]] = BiphasicWork
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        return DISPLACEMENT, PRESSURE
+
+
+register(Biphasic, "biphasic")
