@@ -7,7 +7,7 @@ not vary in space, else (n,). Values know nothing of files: the caller hands in 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -67,6 +67,20 @@ class Expression:
     def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
         v = self.function(X[:, 0], X[:, 1], X[:, 2], t)
         return np.atleast_1d(np.asarray(v, dtype=float))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Composed:
+    """``f(X, Y, Z, t, **parts)``: a formula of other values, such as maps and parameters, by name."""
+
+    function: Callable[..., Floats | float]
+    parts: Mapping[str, Value]
+    steady: bool = False
+    constant: bool = False
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        parts = {name: v(t, X, e) for name, v in self.parts.items()}
+        return np.atleast_1d(np.asarray(self.function(X[:, 0], X[:, 1], X[:, 2], t, **parts), dtype=float))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -213,10 +213,7 @@ def boundary_up(c: Tag, names: dict[str, str], rigid: list[Tag]) -> list[Tag]:
     elif name == "prescribe":
         value = c.child("value")
         if value is not None:
-            data = pop(value, "node_data")
-            value.name = "scale"
-            if data:
-                value.attrs["type"], value.text = "map", data
+            valued(c, value)
         c.children.insert(0, leaf("dof", pop(c, "bc")))
     elif name == "rigid":
         c.children.insert(0, leaf("rb", names.get(c.get("rb") or "", pop(c, "rb"))))
@@ -272,6 +269,16 @@ def rigid_body_up(c: Tag, names: dict[str, str]) -> list[Tag]:
             new.children.append(leaf("load_type", RIGID_LOAD_TYPES.get(r.need("type"), "0")))
         out.append(new)
     return out
+
+
+def valued(c: Tag, value: Tag) -> None:
+    """<value> of <prescribe>, a number or a map, stands in for the number of <scale>, whose load curve stays."""
+    data, old = pop(value, "node_data"), take(c, "scale")
+    value.name = "scale"
+    if old is not None and "lc" in old.attrs:
+        value.attrs.setdefault("lc", old.attrs["lc"])
+    if data:
+        value.attrs["type"], value.text = "map", data
 
 
 def load_up(c: Tag) -> None:

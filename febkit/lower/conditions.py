@@ -8,6 +8,7 @@ from febkit.model import Component, InputError
 from febkit.model.sets import node_indices
 from febkit.solver.problem import Fixed, Initial, Prescribed
 
+from . import deformations
 from .context import Context
 
 # FEBio writes these with every condition; they mean nothing here
@@ -89,6 +90,10 @@ READERS = {
     "prescribed shell displacement": _prescribed_shell,
     "zero fluid pressure": _zero_pressure,
     "prescribed fluid pressure": _prescribed_pressure,
+    "prescribed deformation": deformations.deformation,
+    "prescribed deformation 2O": deformations.second_order,
+    "normal displacement": deformations.normal,
+    "rigid deformation": deformations.rigid,
 }
 
 

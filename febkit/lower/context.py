@@ -21,9 +21,9 @@ from febkit.model import (
     Where,
     values,
 )
-from febkit.model.sets import element_ids, map_items, node_indices
+from febkit.model.sets import element_ids, map_items, node_indices, surface
 from febkit.solver.fields import Layout
-from febkit.solver.values import Constant, Expression, Map, Scaled, Value
+from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Value
 
 if TYPE_CHECKING:
     from febkit.model.math import Formula
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from .rigid import Body
 
 Controller = Callable[[float], float]
-_PARAMETER = re.compile(r"\$\{(fem\.material\('([^']+)'\)\.(\w+))\}")
+FACETS = "@facets:"  # marks a surface whose facets a map may follow
+_PARAMETER = re.compile(r"fem\.material\('([^']+)'\)\.([\w.]+)")
 
 
 def compiled(text: str, names: Iterable[str] | None, constants: Mapping[str, float], where: Where) -> Formula:
@@ -105,7 +106,8 @@ class Context:
     def value(self, leaf: Component | None, default: float | None = None, maps: str = "") -> Value:
         """A parameter as a solver value: number, formula or map, times its load controller.
 
-        ``maps``: the set or part whose item order a map must follow ("" where no map can be meant).
+        ``maps``: the node set or part whose item order a map must follow, or :data:`FACETS` and a surface; "" where no
+        map can be meant.
         """
         if leaf is None:
             assert default is not None
@@ -119,14 +121,14 @@ class Context:
     def _base(self, leaf: Component, maps: str) -> Value:
         kind = leaf.type or leaf.attrs.get("type") or "const"
         if kind == "math":
-            return self.formula((leaf.child("math") or leaf).text, leaf)
+            return self.formula((leaf.child("math") or leaf).text, leaf, maps)
         if kind == "map":
             return self._map((leaf.child("map") or leaf).text.strip(), leaf, maps)
         if kind != "const":
             self.refuse(f'<{leaf.tag} type="{kind}">', leaf.where)
             return Constant(0.0)
         leaf = leaf.child("const") or leaf
-        return Constant(leaf.as_float()) if values.spells_number(leaf.text) else self.formula(leaf.text, leaf)
+        return Constant(leaf.as_float()) if values.spells_number(leaf.text) else self.formula(leaf.text, leaf, maps)
 
     def components(self, leaf: Component, n: int, maps: str = "") -> tuple[Value, ...]:
         """A parameter of ``n`` numbers: given in the file, or by the ``n`` columns of an element map."""
@@ -150,16 +152,12 @@ class Context:
         x, y, z = (self._scaled(self.formula(p, leaf), leaf) for p in parts)
         return x, y, z
 
-    def formula(self, text: str, leaf: Component) -> Value:
-        referred = self._referred(text, leaf)
-        names = ("X", "Y", "Z", "t", *self.model.variables, *referred)
-        f = compiled(text, names, dict(self.model.variables), leaf.where)
-        if referred:
-            def value(X: np.ndarray, Y: np.ndarray, Z: np.ndarray, t: float) -> np.ndarray:
-                place = np.stack([X, Y, Z], axis=-1)
-                return np.asarray(f(X, Y, Z, t, **{k: v(t, place) for k, v in referred.items()}))
-
-            return Expression(value, steady=f.steady and all(v.steady for v in referred.values()))
+    def formula(self, text: str, leaf: Component, maps: str = "") -> Value:
+        """A formula of X, Y, Z, t, global variables, parameters beside it or elsewhere in the model, and maps."""
+        f = compiled(text, None, dict(self.model.variables), leaf.where)
+        parts = {name: self._named(name, text, leaf, maps) for name in sorted(f.names - {"X", "Y", "Z", "t"})}
+        if parts:
+            return Composed(f, parts, steady=f.steady and all(v.steady for v in parts.values()))
         if f.uniform and f.steady:
             v = float(f())
             if not math.isfinite(v):
@@ -167,15 +165,43 @@ class Context:
             return Constant(v)
         return Expression(f, steady=f.steady)
 
-    def _referred(self, text: str, leaf: Component) -> dict[str, Value]:
-        """Parameters of materials that a formula refers to, ``${fem.material('name').E}``, by that text."""
-        out: dict[str, Value] = {}
-        for whole, name, parameter in _PARAMETER.findall(text):
-            material = next((m for m in self.model.materials if m.name == name), None)
-            found = None if material is None else material.child(parameter)
+    def _named(self, name: str, text: str, leaf: Component, maps: str) -> Value:
+        """What a name in a formula stands for, in FEBio's order: a parameter beside it, one of the model, a map."""
+        found = self._beside(leaf, name)
+        path = _PARAMETER.fullmatch(name)
+        if path is not None:
+            found = next((m for m in self.model.materials if m.name == path[1]), None)
+            for tag in path[2].split("."):
+                found = None if found is None else found.child(tag)
             if found is None:
-                raise InputError(f'there is no parameter "{parameter}" of a material "{name}"', leaf.where)
-            out[whole] = self.value(found)
+                raise InputError(f'there is no parameter "{path[2]}" of a material "{path[1]}"', leaf.where)
+        if found is leaf:
+            raise InputError(f'<{leaf.tag}>: the formula "{text.strip()}" refers to itself', leaf.where)
+        if found is not None:
+            return self.value(found, maps=maps)
+        known = [d.name for d in self.model.mesh_data]
+        if name in known:
+            return self._map(name, leaf, maps)
+        names = ["X", "Y", "Z", "t", *self.model.variables, *known]
+        said = values.near(name, names) or f"; known are {', '.join(names)}"
+        raise InputError(f'formula "{text.strip()}": unknown variable {name}{said}', leaf.where)
+
+    def _beside(self, leaf: Component, name: str) -> Component | None:
+        """The parameter of this name of the component that ``leaf`` belongs to."""
+        owner = self.owners.get(id(leaf))
+        return None if owner is None else owner.child(name)
+
+    @cached_property
+    def owners(self) -> dict[int, Component]:
+        """The component that each parameter belongs to, by the parameter's identity."""
+        out: dict[int, Component] = {}
+        steps = (self.model.common, *self.model.steps)
+        ahead = [*self.model.materials, *(c for s in steps for c in (*s.boundary, *s.loads, *s.initial, *s.rigid))]
+        while ahead:
+            c = ahead.pop()
+            for child in c:
+                out[id(child)] = c
+                ahead.append(child)
         return out
 
     # ---- maps -------------------------------------------------------------------------------------
@@ -189,15 +215,33 @@ class Context:
 
     def _map(self, name: str, leaf: Component, maps: str) -> Value:
         data = self.map_data(name, leaf)[0]
+        facets = maps.removeprefix(FACETS) if maps.startswith(FACETS) else ""
         if not maps:
             self.refuse(f"a map as <{leaf.tag}>", leaf.where)
         elif data.kind == "element" and maps in self.blocks:
-            return Map(self.element_rows(leaf, maps, 1)[:, 0])
-        elif data.kind == "node" and maps not in self.blocks and data.values is not None:
+            return Map(self.element_rows(leaf, maps, 1, name)[:, 0])
+        elif data.kind == "node" and not facets and maps not in self.blocks and data.values is not None:
             return Map(self._node_map(data, maps, leaf))
+        elif data.kind == "surface" and facets and data.values is not None:
+            return Map(self._facet_map(data, facets, leaf))
         else:
             self.refuse(f'the {data.kind} map "{name}"', data.where)
         return Constant(0.0)
+
+    def _facet_map(self, data: MeshData, name: str, leaf: Component) -> np.ndarray:
+        """A map of facets by the places of its own surface, which FEBio takes for those of the one it is used on."""
+        mesh = self.model.mesh
+        have, wanted = (sum(map(len, surface(mesh, n, leaf.where).facets.values())) for n in (data.set, name))
+        items = map_items(mesh, data)
+        rows = np.asarray(data.values, float).reshape(len(items), -1)
+        if rows.shape[1] != 1 or have < wanted or len(np.unique(items)) < have:
+            raise InputError(
+                f'<{leaf.tag}>: the map "{data.name}" must have one number for each of the {wanted} facets of "{name}"',
+                leaf.where,
+            )
+        out = np.zeros(have)
+        out[items] = rows[:, 0]
+        return out
 
     def _node_map(self, data: MeshData, ref: str, leaf: Component) -> np.ndarray:
         """A node map by the places of its own set, which FEBio takes for those of the set it is used on."""
@@ -212,9 +256,9 @@ class Context:
         out[items] = np.asarray(data.values, float).reshape(len(items), -1)[:, 0]
         return out
 
-    def element_rows(self, leaf: Component, part: str, width: int) -> np.ndarray:
-        """The map that ``leaf`` names: its first ``width`` columns, one row for each element of a part."""
-        name = (leaf.child("map") or leaf).text.strip()
+    def element_rows(self, leaf: Component, part: str, width: int, name: str = "") -> np.ndarray:
+        """The map ``name``, or that ``leaf`` names: its first ``width`` columns, a row for each element of a part."""
+        name = name or (leaf.child("map") or leaf).text.strip()
         rows = self.element_map(self.map_data(name, leaf), part)
         if rows.shape[1] < width:
             message = f'<{leaf.tag}>: the map "{name}" has {rows.shape[1]} numbers a row, not {width}'

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, Surface
 from febkit.model.sets import element_ids, node_indices, surface
 from febkit.solver import loads as records
 from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import STEADY
 
-from .context import Context
+from .context import FACETS, Context
 
 # tags of each surface load: numbers, vectors, flags
 SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
@@ -60,12 +60,22 @@ def _unread(c: Component) -> bool:
 def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
     """The facets a load is on."""
     name = c.attrs.get("surface", "")
-    conns = dict(surface(ctx.model.mesh, name, c.where).facets)
+    on = surface(ctx.model.mesh, name, c.where)
+    conns = dict(on.facets)
     if c.bool("shell_bottom"):
         conns = {k: ctx.back[v] for k, v in conns.items()}
         if any((v < 0).any() for v in conns.values()):
             raise InputError(f'<shell_bottom>: a facet of "{name}" is no shell', c.where)
-    return patches(conns, ctx.X)
+    return patches(conns, ctx.X, _order(on))
+
+
+def _order(on: Surface) -> dict[str, np.ndarray] | None:
+    """Rows of the facets of each type in the file's order, where there are several types."""
+    if len(on.facets) < 2 or any(len(on.ids.get(k, ())) != len(f) for k, f in on.facets.items()):
+        return None
+    rank = np.argsort(np.argsort(np.concatenate([on.ids[k] for k in on.facets]), kind="stable"))
+    ends = np.cumsum([len(f) for f in on.facets.values()])
+    return dict(zip(on.facets, np.split(rank, ends[:-1]), strict=True))
 
 
 def _surface(ctx: Context, c: Component, analysis: str) -> Any:
@@ -76,7 +86,7 @@ def _surface(ctx: Context, c: Component, analysis: str) -> Any:
     for n in numbers:
         leaf = c.child(n)
         if leaf is not None:
-            kw[n] = ctx.value(leaf)
+            kw[n] = ctx.value(leaf, maps=FACETS + c.attrs.get("surface", ""))
     for n in vectors:
         leaf = c.child(n)
         if leaf is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.fourth_invariant import fiber_invariants, fiber_stress
+from ..kernels.fourth_invariant import fiber_invariants, fiber_stress, fiber_tangent
 from ..points import Points
 from .base import Floats, Property, Solid
 from .fiber import directions
@@ -57,8 +57,28 @@ class UncoupledFourthInvariant(FourthInvariant, Uncoupled):
 
     iso = True
 
+    def second(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
+        """W11, W14, W15, W44, W45, W55, of a law without I2; empty where the tangent is taken by differences."""
+        return ()
+
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        self._add(pts, s, c)
+        within = self.inner(pts)
+        a0, W, own = directions(self.fiber, within), np.zeros((pts.n, 5)), np.empty((pts.n, 6))
+        i = invariants(within, a0, True)
+        for k, w in enumerate(self.derivatives(within, i)):
+            W[:, k] = w
+        fiber_stress(within.F, within.J, a0, True, W, own)
+        s += own
+        if c is None:
+            return
+        second = self.second(within, i)
+        if not second:
+            c += central_tangent(self._cauchy, within)
+            return
+        H = np.empty((pts.n, 6))
+        for k, w in enumerate(second):
+            H[:, k] = w
+        fiber_tangent(within.F, within.J, a0, W, H, c)
 
     stress = Uncoupled.stress
     energy = Uncoupled.energy
