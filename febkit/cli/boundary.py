@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import units
 from .outputs import FORCE, check
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class Options:
     section: bool
     must_points: bool
     pressure: bool
+    units: str | None
 
 
 @click.command("boundary", context_settings={"max_content_width": 110})
@@ -68,6 +70,7 @@ class Options:
 @click.option("--pressure/--no-pressure", default=True, show_default=True,
               help="Prescribe the fluid pressure.")
 @click.option("--dataset", type=FILE, help="Also save F, G, p, ... at the points as NetCDF.")
+@units.OPTION
 @click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put "
               "before its ending [default: CELL_driven.feb].")
 @FORCE
@@ -137,14 +140,14 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
         raise InputError(f"{source}: there is no such file")
     if _holds_series(source):
         given = {"--at": at, "--points": points, "--recovery": options.recovery, "--times": times,
-                 "--overlay": options.overlay}
+                 "--overlay": options.overlay, "--units": options.units}
         wrong = [k for k, v in given.items() if v]
         if wrong:
             raise InputError(f"{source} holds F(t) already: {', '.join(wrong)} mean(s) nothing here")
         return None, read_driving(source)
     from febkit.results import open as open_results
 
-    with open_results(source) as ds:
+    with open_results(source, units=options.units) as ds:
         field = from_dataset(ds)
     field = field if field.source else _named(field, source)
     if times is not None:
@@ -221,6 +224,7 @@ def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, p
 
     nodes = _nodes(model, options.node_set)
     X = model.mesh.X[nodes]
+    _same_units(tissue, driving, model)
     given = _handoff(X, tissue, driving, point, place, options)
     if not options.pressure:
         given = given.without_pressure()
@@ -240,6 +244,15 @@ def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, p
         for lost in write(driven, path, options.version, force) or ():
             click.echo(f"  warning: {lost}", err=True)
     click.echo(f"wrote {path} ({options.version}, {driven.form})")
+
+
+def _same_units(tissue: Field | None, driving: xr.Dataset | None, model: Model) -> None:
+    from febkit.coupling import same_units
+
+    name = driving.attrs.get("unit_system") if driving is not None else tissue.units if tissue else None
+    same_units(name, model.units)
+    if model.units and not name:
+        click.echo(f"  units: the tissue names none and is taken to be in those of the cell model, {model.units}")
 
 
 def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,

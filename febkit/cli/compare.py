@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import units
 from .outputs import check
+from .units import UNKNOWN
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 @click.option(
     "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
 )
+@units.OPTION
 def command(
     control: Path,
     tests: tuple[Path, ...],
@@ -40,6 +43,7 @@ def command(
     instantaneous: float,
     output: Path | None,
     style: str,
+    units: str | None,
 ) -> None:
     """RMS differences, limits of agreement and ranks of TESTS against CONTROL.
 
@@ -57,8 +61,10 @@ def command(
     if len(names) != len(tests):
         raise click.UsageError(f"{len(names)} labels for {len(tests)} tests")
     check([output], [p for f in (control, *tests) for p in (f, f.with_suffix(".feb"))])
-    a = measured(control)
-    data = {name: measured(t) for name, t in zip(names, tests)}
+    a = measured(control, units)
+    data = {name: metrics.in_units_of(a, measured(t, units)) for name, t in zip(names, tests)}
+    if "unit_system" not in a.attrs:
+        click.echo(UNKNOWN, err=True)
     agreed = [(name, metrics.compare(a, b)) for name, b in data.items()]
     emit(tables.rms_table(agreed), style)
     for name, r in agreed:
@@ -83,8 +89,8 @@ def command(
         click.echo(f"wrote {output}", err=True)
 
 
-def measured(path: Path) -> xr.Dataset:
-    """Cell metrics from a metrics file, or measured now."""
+def measured(path: Path, units: str | None = None) -> xr.Dataset:
+    """Cell metrics from a metrics file, or measured now; ``units`` of a result that names none."""
     import xarray as xr
 
     from febkit import metrics
@@ -94,6 +100,16 @@ def measured(path: Path) -> xr.Dataset:
     if path.suffix == ".nc":
         with xr.open_dataset(path) as ds:
             if "cell" in ds.dims:
+                _check_units(path, ds.attrs.get("unit_system"), units)
                 return ds.load()
-    data: xr.Dataset = metrics.cell_metrics(*opened(path))
+    data: xr.Dataset = metrics.cell_metrics(*opened(path, units=units))
     return data
+
+
+def _check_units(path: Path, named: str | None, told: str | None) -> None:
+    """Metrics are measured in the units of their result, which cannot be told afterwards."""
+    from febkit.model import InputError
+
+    if told and named != told:
+        said = f"were measured in {named}" if named else "were measured without units"
+        raise InputError(f"{path}: these metrics {said}: measure the result again with --units {told}")

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import units
 from .outputs import check
+from .units import UNKNOWN
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,6 +66,7 @@ if TYPE_CHECKING:
 @click.option(
     "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
 )
+@units.OPTION
 def command(
     results: Path,
     model: Path | None,
@@ -78,6 +81,7 @@ def command(
     fields: bool,
     output: Path | None,
     style: str,
+    units: str | None,
 ) -> None:
     """Measure each cell of RESULTS at every time: shape, volume, strain, stress, shear, mass exchange.
 
@@ -90,7 +94,7 @@ def command(
     from febkit.metrics.summary import QUANTILES
 
     check([output], [results, model, results.with_suffix(".feb")])
-    ds, m = opened(results, model)
+    ds, m = opened(results, model, units)
     if variable:
         data = metrics.summarize(ds, variable, parts or None, quantiles or QUANTILES)
         q = {f"quantile_{x:g}": data["quantiles"].sel(quantile=x) for x in data["quantile"].values}
@@ -104,19 +108,33 @@ def command(
         data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides, exchange)
         _printed(data, [str(k) for k in metrics.METRICS if k in data], "cell", times, style)
         _notes(data)
+    if "unit_system" not in data.attrs:
+        click.echo(UNKNOWN, err=True)
     if output is not None:
         _write(data, output)
         click.echo(f"wrote {output}", err=True)
 
 
-def opened(results: Path, model: Path | None = None) -> tuple[xr.Dataset, Model | None]:
-    """A result, and its model: the one given, or the .feb of the same name beside it."""
+def opened(
+    results: Path, model: Path | None = None, units: str | None = None
+) -> tuple[xr.Dataset, Model | None]:
+    """A result, and its model: the one given, or the .feb of the same name beside it.
+
+    ``units`` are those of a result that names none; else those that its model names.
+    """
     from febkit import open_results
     from febkit.feb import read
+    from febkit.results.dataset import name_units
+    from febkit.units import one, system
 
     beside = results.with_suffix(".feb")
     path = model or (beside if beside.is_file() else None)
-    return open_results(results), read(path) if path else None
+    found = read(path) if path else None
+    ds = open_results(results, units=units)
+    name = one(ds.attrs.get("unit_system"), found.units if found else None, what=f"{results} and {path}")
+    if system(name):
+        name_units(ds, name)
+    return ds, found
 
 
 def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, ...], style: str) -> None:
@@ -127,15 +145,16 @@ def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, .
 
     t = np.asarray(data["time"].values, dtype=float)
     head = [heading(n, str(data[n].attrs.get("units", ""))) for n in names]
+    unit = str(data["time"].attrs.get("units", ""))
     for want in times or (float(t[-1]),):
         k = int(np.abs(t - want).argmin())
         if abs(t[k] - want) > 1e-3 * max(abs(want), 1e-3):
             raise InputError(f"no state at t = {want:g}; the nearest is {t[k]:g}")
         rows = [
-            [str(c), *(float(data[n].isel(time=k).sel({dim: c})) * s for n, (_, s) in zip(names, head))]
+            [str(c), *(float(data[n].isel(time=k).sel({dim: c})) for n in names)]
             for c in data[dim].values
         ]
-        emit(Table(f"t = {t[k]:g}", [dim, *(h for h, _ in head)], rows), style)
+        emit(Table(f"t = {t[k]:g} {unit}".rstrip(), [dim, *head], rows), style)
 
 
 def emit(table: object, style: str) -> None:
@@ -173,13 +192,14 @@ def _write(data: xr.Dataset, path: Path) -> None:
 
 
 def _csv(data: xr.Dataset) -> str:
-    from febkit.metrics.tables import Table
+    from febkit.metrics.tables import Table, with_unit
 
     names = [str(k) for k in data.data_vars]
+    head = [with_unit(str(k), str(data[k].attrs.get("units", ""))) for k in (*data[names[0]].dims, *names)]
     dims = data[names[0]].dims
     stack = {n: data[n].transpose(*dims).values.ravel() for n in names}
     a, b = (data[d].values for d in dims)
     rows = [
         [x, y, *(stack[n][i * len(b) + j] for n in names)] for i, x in enumerate(a) for j, y in enumerate(b)
     ]
-    return Table("", [*map(str, dims), *names], rows).csv()
+    return Table("", head, rows).csv()

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from . import units
 from .outputs import check
 
 _FILES = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -31,6 +32,7 @@ def command() -> None:
 @click.option("-m", "--metric", "metrics", multiple=True, help="Metrics to draw [default: all].")
 @click.option("--until", type=float, help="Last time shown.")
 @_LABELS
+@units.OPTION
 @_TITLE
 @_OUT
 def histories(
@@ -40,43 +42,46 @@ def histories(
     labels: tuple[str, ...],
     title: str,
     output: Path,
+    units: str | None,
 ) -> None:
     """Each metric over time, a line for each cell, a column for each file."""
     from febkit import plots
 
     _apart(output, *files)
-    _save(plots.histories(_measured(files, labels), metrics or None, until, title), output)
+    _save(plots.histories(_measured(files, labels, units), metrics or None, until, title), output)
 
 
 @command.command()
 @click.argument("files", nargs=-1, required=True, type=_FILES)
 @click.option("--until", type=float, default=1.0, show_default=True, help="Last time shown.")
 @_LABELS
+@units.OPTION
 @_TITLE
 @_OUT
 def exchange(
-    files: tuple[Path, ...], until: float, labels: tuple[str, ...], title: str, output: Path
+    files: tuple[Path, ...], until: float, labels: tuple[str, ...], title: str, output: Path, units: str | None
 ) -> None:
     """Mass exchange rate over the first second."""
     from febkit import plots
 
     _apart(output, *files)
-    _save(plots.early_exchange(_measured(files, labels), until, title), output)
+    _save(plots.early_exchange(_measured(files, labels, units), until, title), output)
 
 
 @command.command("bland-altman")
 @click.argument("control", type=_FILES)
 @click.argument("test", type=_FILES)
+@units.OPTION
 @_TITLE
 @_OUT
-def bland_altman(control: Path, test: Path, title: str, output: Path) -> None:
+def bland_altman(control: Path, test: Path, title: str, output: Path, units: str | None) -> None:
     """Differences over means with limits of agreement, for each metric."""
     from febkit import plots
 
     from .compare import measured
 
     _apart(output, control, test)
-    _save(plots.bland_altman(measured(control), measured(test), title=title), output)
+    _save(plots.bland_altman(measured(control, units), measured(test, units), title=title), output)
 
 
 @command.command()
@@ -84,10 +89,17 @@ def bland_altman(control: Path, test: Path, title: str, output: Path) -> None:
 @click.argument("tests", nargs=-1, required=True, type=_FILES)
 @click.option("--outside", is_flag=True, help="Count values outside the limits instead.")
 @_LABELS
+@units.OPTION
 @_TITLE
 @_OUT
 def errors(
-    control: Path, tests: tuple[Path, ...], outside: bool, labels: tuple[str, ...], title: str, output: Path
+    control: Path,
+    tests: tuple[Path, ...],
+    outside: bool,
+    labels: tuple[str, ...],
+    title: str,
+    output: Path,
+    units: str | None,
 ) -> None:
     """Normalised RMS difference to CONTROL of each file and metric."""
     from febkit import metrics, plots
@@ -95,8 +107,8 @@ def errors(
     from .compare import measured
 
     _apart(output, control, *tests)
-    a = measured(control)
-    agreed = {control.stem: {n: metrics.compare(a, b) for n, b in _measured(tests, labels).items()}}
+    a = measured(control, units)
+    agreed = {control.stem: {n: metrics.compare(a, b) for n, b in _measured(tests, labels, units).items()}}
     _save((plots.outside_counts if outside else plots.errors)(agreed, title), output)
 
 
@@ -110,6 +122,7 @@ def errors(
 @click.option("--window", type=float, nargs=4, help="Left, right, bottom and top of the picture.")
 @click.option("--no-arrows", is_flag=True, help="Leave out the arrows of fluid flux.")
 @_LABELS
+@units.OPTION
 @_TITLE
 @_OUT
 def section(
@@ -124,6 +137,7 @@ def section(
     labels: tuple[str, ...],
     title: str,
     output: Path,
+    units: str | None,
 ) -> None:
     """A field on a cross-section of the deformed mesh, with arrows of fluid flux. FILES are results."""
     from febkit import plots
@@ -131,7 +145,7 @@ def section(
     from .metrics import opened
 
     _apart(output, *files)
-    data = {name: opened(f) for name, f in zip(_names(files, labels), files)}
+    data = {name: opened(f, units=units) for name, f in zip(_names(files, labels), files)}
     when = float(next(iter(data.values()))[0]["time"].values[-1]) if time is None else time
     _save(
         plots.sections(data, field, when, normal, at, parts or None, not no_arrows, title, window=window),
@@ -156,6 +170,7 @@ def section(
 @click.option("--limits", type=float, nargs=2, help="Ends of the colours [default: 1 % and 99 % quantiles].")
 @click.option("--no-edges", is_flag=True, help="Leave out the edges of the elements.")
 @click.option("--size", type=int, nargs=2, default=(1200, 900), show_default=True, help="Pixels.")
+@units.OPTION
 @_TITLE
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), required=True, help="PNG to write."
@@ -173,6 +188,7 @@ def scene(
     size: tuple[int, int],
     title: str,
     output: Path,
+    units: str | None,
 ) -> None:
     """A variable on the deformed mesh in three dimensions, whole or cut open (needs febkit[scenes]).
 
@@ -186,7 +202,7 @@ def scene(
     if output.suffix.lower() != ".png":
         raise click.UsageError("scenes are written as PNG: give -o a name that ends in .png")
     _apart(output, results, *([model] if model else []))
-    ds, m = opened(results, model)
+    ds, m = opened(results, model, units)
     plots.scene(
         ds, output, variable, time, plane, parts or None, arrows, m, limits, not no_edges, size, title
     )
@@ -199,10 +215,10 @@ def _names(files: tuple[Path, ...], labels: tuple[str, ...]) -> list[str]:
     return list(labels) or [f.stem for f in files]
 
 
-def _measured(files: tuple[Path, ...], labels: tuple[str, ...]) -> dict[str, Any]:
+def _measured(files: tuple[Path, ...], labels: tuple[str, ...], units: str | None) -> dict[str, Any]:
     from .compare import measured
 
-    return {name: measured(f) for name, f in zip(_names(files, labels), files)}
+    return {name: measured(f, units) for name, f in zip(_names(files, labels), files)}
 
 
 def _apart(output: Path, *inputs: Path) -> None:

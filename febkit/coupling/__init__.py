@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .boundary import Driven, drive, with_solutes, write, write_section
-    from .checks import Checks, check
+    from .checks import Checks, check, same_units
     from .driving import checked, read_driving, read_points
     from .field import Field, from_dataset, from_mesh
     from .histories import Handoff, handoff, overlay, surface_nodes
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 _HOME = {
     "Driven": "boundary", "drive": "boundary", "with_solutes": "boundary", "write": "boundary",
     "write_section": "boundary",
-    "Checks": "checks", "check": "checks", "checked": "driving", "read_driving": "driving",
+    "Checks": "checks", "check": "checks", "same_units": "checks", "checked": "driving", "read_driving": "driving",
     "read_points": "driving", "Field": "field", "from_dataset": "field", "from_mesh": "field",
     "Handoff": "histories", "handoff": "histories", "overlay": "histories", "surface_nodes": "histories",
     "locate": "location", "RECOVERIES": "taylor", "series": "taylor",
 }
 
 __all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "checked", "drive", "from_dataset",
-           "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "series",
-           "surface_nodes", "with_solutes", "write", "write_section"]
+           "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "same_units",
+           "series", "surface_nodes", "with_solutes", "write", "write_section"]
 
 
 def __getattr__(name: str) -> Any:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit import units
+
 from .derivatives import COUNT, TERMS, monomials
 from .histories import Handoff, evaluate
 from .taylor import ELEMENT_NOTE, coefficients, orders
@@ -85,6 +87,11 @@ def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> l
     if lost:
         lines.append(f"{lost} derivatives cannot be found from the elements around the point: taken as 0")
     return lines
+
+
+def same_units(tissue: str | None, cell: str | None) -> None:
+    """Raise InputError where tissue and cell model name different unit systems: nothing is converted between them."""
+    units.one(tissue, cell, what="the tissue and the cell model")
 
 
 def gradient(coefficient: Floats, offset: Floats) -> Floats:

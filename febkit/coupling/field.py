@@ -128,7 +128,7 @@ def from_dataset(ds: xr.Dataset) -> Field:
     ids = np.asarray(ds["node_id"].values) if "node_id" in ds.coords else None
     X, c, names = np.asarray(ds["X"].values, float), *_concentrations(ds)
     return Field(X, blocks, np.asarray(ds["time"].values, float), np.asarray(ds[DISPLACEMENT].values, float), p,
-                 source, ds.attrs.get("units"), ids, c, names, _potential(ds, X, blocks) if names else None)
+                 source, ds.attrs.get("unit_system"), ids, c, names, _potential(ds, X, blocks) if names else None)
 
 
 def _concentrations(ds: xr.Dataset) -> tuple[Floats | None, tuple[str, ...]]:

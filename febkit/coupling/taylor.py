@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit import units
 from febkit.model import InputError
 
 from .derivatives import COUNT, MAX_ORDER, apply, by_element, full, packed
@@ -190,10 +191,21 @@ def _dataset(field: Field, points: Floats, where: Location, values: Floats, lost
                    "H_c, H3_c; psi); X from the point",
     }
     if field.units:
-        attrs["units_system"] = field.units
+        attrs["unit_system"] = field.units
     ds = xr.Dataset(fields, coords, attrs)
-    ds["time"].attrs["units"] = "s" if field.units in (None, "") else "time unit of the model"
+    _name_units(ds)
     return ds
+
+
+def _name_units(ds: xr.Dataset) -> None:
+    """Units of everything, where the tissue's system is known; those of derivatives are by the reference length."""
+    known = units.system(ds.attrs.get("unit_system"))
+    symbols = {"time": "t", "X": "L", "element_size": "L"}
+    for name, symbol in (("u", "L"), ("p", "P"), ("c", "c"), ("psi", "V")):
+        symbols |= {d: f"{symbol}/L^{n}" if n else symbol for n, d in enumerate(SERIES[name])}
+    for name in symbols.keys() & set(map(str, ds.variables)):
+        if known:
+            ds[name].attrs["units"] = known.of(symbols[name])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

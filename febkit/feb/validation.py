@@ -9,13 +9,13 @@ import numpy as np
 
 from febkit.model import InputError, Model, Where
 from febkit.model.source import together
+from febkit.units import SYSTEMS
 
 from . import check_features, check_mesh, check_references
 from .document import Document
 from .findings import Finding
 from .read import read
 
-UNITS = ("SI", "mm-N-s", "mm-kg-s", "um-nN-s", "CGS", "mm-g-s", "mm-mg-s")
 ORDER = {"error": 0, "unsupported": 1, "warning": 2, "hint": 3}
 
 
@@ -77,7 +77,7 @@ def _sense(model: Model) -> Iterator[Finding]:
     if model.units is None:
         yield Finding("hint", f"no units are said; the model is {extent:.3g} long: lengths, forces and times "
                       "must all be of one system", place)
-    elif model.units not in UNITS:
-        yield Finding("hint", f'units "{model.units}" are none of FEBio\'s: {", ".join(UNITS)}', place)
+    elif model.units not in SYSTEMS:
+        yield Finding("hint", f'units "{model.units}" are none of FEBio\'s: {", ".join(SYSTEMS)}', place)
     elif model.units == "SI" and extent > 10.0:
         yield Finding("hint", f"units are SI and the model is {extent:.3g} m long", place)

@@ -17,6 +17,7 @@ _NAMES = {
     "rank_correlation": "agreement",
     "compare_orders": "agreement",
     "align": "agreement",
+    "in_units_of": "agreement",
     "Table": "tables",
 }
 __all__ = list(_NAMES)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit import units
 from febkit.model import InputError
 
 from .cells import METRICS
@@ -24,7 +25,11 @@ MOMENTS = ("instantaneous", "steady", "peak")
 
 
 def align(control: xr.Dataset, test: xr.Dataset, rtol: float = 1e-4) -> tuple[xr.Dataset, xr.Dataset]:
-    """Both datasets at the cells and the times they share (times within ``rtol``: plotfiles hold float32)."""
+    """Both datasets at the cells and the times they share (times within ``rtol``: plotfiles hold float32).
+
+    The test's values come in the control's units. Raises InputError where only one of the two names its units.
+    """
+    test = in_units_of(control, test)
     shared = [c for c in control["cell"].values if c in set(test["cell"].values)]
     if not shared:
         raise InputError("the two results share no cell name")
@@ -36,6 +41,24 @@ def align(control: xr.Dataset, test: xr.Dataset, rtol: float = 1e-4) -> tuple[xr
         raise InputError("the two results share no time")
     a, b = a.isel(time=np.flatnonzero(keep)), b.isel(time=near[keep])
     return a, b.assign_coords(time=a["time"].values)
+
+
+def in_units_of(control: xr.Dataset, test: xr.Dataset) -> xr.Dataset:
+    """The metrics of ``test`` in the units of those of ``control``."""
+    out = test
+    for name in [n for n in test.data_vars if n in control]:
+        a, b = (str(ds[name].attrs.get("units", "")) for ds in (control, test))
+        if a == b:
+            continue
+        if not a or not b:
+            known, plain = ("control", "test") if a else ("test", "control")
+            raise InputError(
+                f"{name} of the {known} is in {a or b}, that of the {plain} in units that nobody named: say which "
+                "with --units, or units= of febkit.open_results"
+            )
+        scaled = (test[name] * units.factor(b, a)).assign_attrs(test[name].attrs | {"units": a})
+        out = out.assign({name: scaled})
+    return out
 
 
 def _moved(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:

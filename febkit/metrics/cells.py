@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import exchange as exchanges
-from . import flux, shape, units
+from . import flux, shape
 from . import groups as grouping
 from .fields import SCALARS, Sweep
 from .kinematics import Group, State
+from .scale import Scale, unit_system
 from .selection import Cells, Selection, select_cells
 from .sources import Sources
 
@@ -97,31 +98,40 @@ def cell_metrics(
 
     ds         result (time, node, element), from FEBio or febkit
     model      the .feb model of the run: materials, for stress and flux at integration points; without it
-               the plotfile's element means are used and ``attrs["how"]`` says so
+               the plotfile's element means are used and ``attrs["how"]`` says so. Its units are the result's
     cells      parts, sets, element rows or labels: see :func:`febkit.metrics.select_cells`
-    density    fluid density in pg per cubic unit of length; water by default
+    density    fluid density in pg per cubic unit of the model's length; water by default
     sides      nodal flux on a cell's surface is the mean over the elements of the cell ("cell") or of all
                elements at the node ("both")
     exchange   mass exchange from nodal fluxes on the surface ("nodal", the study's), or the flux that the
                discrete pressure equation balances ("consistent"): see :class:`.exchange.Consistent`
 
-    Raises InputError where cells or displacement are missing. Metrics that lack a source are left out and
-    named in ``attrs["missing"]``.
+    Values are in kPa, um, um^3 and pg/s where the unit system is known (``attrs["unit_system"]``). Where it is not
+    they are plain numbers in units of the model, and without a density the exchange is a rate of volume.
+
+    Raises InputError where cells or displacement are missing, or result and model differ in units. Metrics that
+    lack a source are left out and named in ``attrs["missing"]``.
     """
     pick = select_cells(ds, cells)
-    u = units.of(ds.attrs.get("units"))
+    system = unit_system(ds, model)
     sources = Sources(ds, model)
     groups = grouping.make(ds, pick.rows, pick.owner, sources.parts or None)
     on = flux.surface(groups, len(pick.names))
     flow = exchanges.make(ds, pick, on, sources, exchange, sides)
     data = _measure(ds, groups, pick, sources, flow)
-    rho = u.water if density is None else density
+    rho = density if density is not None else system.water if system else 1.0
     data["volume_loss_rate"] = -rho * _rate(data["volume"], np.asarray(ds["time"].values, dtype=float))
     if flow is not None:
         data["mass_exchange_rate"] *= rho
-    out = _dataset(ds, data, pick, sources, u)
+    out = _dataset(ds, data, pick, sources, Scale(system))
+    if density is not None:  # in pg, whatever the length
+        for name in {"mass_exchange_rate", "volume_loss_rate"} & set(out):
+            out[name].attrs["units"] = "pg/s"
     if flow is not None:
-        about = {"formula": flow.formula, "density": rho, "density_units": f"pg/{u.length}^3"}
+        about: dict[str, object] = {"formula": flow.formula}
+        if density is not None or system:
+            length = system.units["L"] if system else "unit of length"
+            about |= {"density": rho, "density_units": f"pg/{length}^3"}
         about |= flow.about() if exchange == "consistent" else {**flow.about(), "sides": sides}
         out["mass_exchange_rate"].attrs.update(about)
     return out
@@ -212,32 +222,31 @@ def _dataset(
     data: dict[str, Floats],
     pick: Selection,
     sources: Sources,
-    u: units.Units,
+    scale: Scale,
 ) -> xr.Dataset:
     import xarray as xr
 
-    unit = {"": "1", "stress": u.stress, "mass": "pg/s", "volume": f"{u.length}^3", "length": u.length}
     dims = {"axes": ("axis",), "centroid": ("xyz",)}
     out = {}
     for name, (long_name, kind, formula) in TABLE.items():
         if name not in data:
             continue
-        attrs: dict[str, object] = {"long_name": long_name, "units": unit[kind], "formula": formula}
+        attrs: dict[str, object] = {"long_name": long_name, **scale.attrs(kind), "formula": formula}
         if sources.notes.of(name):
             attrs["how"] = sources.notes.of(name)
-        out[name] = (("cell", "time", *dims.get(name, ())), data[name], attrs)
+        out[name] = (("cell", "time", *dims.get(name, ())), data[name] * scale.by(kind), attrs)
     missing = [f"{m}: {sources.notes.of(m)}" for m in METRICS if m not in out]
     counts = np.bincount(pick.owner, minlength=len(pick.names))
     coords = {
         "cell": list(pick.names),
-        "time": np.asarray(ds["time"].values),
+        "time": ("time", np.asarray(ds["time"].values), scale.attrs("time")),
         "xyz": ["x", "y", "z"],
         "elements": ("cell", counts),
     }
     about = {
         "source": "Sibole et al. 2013, eqs 10-18",
         "reference": "undeformed coordinates",
-        "model_units": ds.attrs.get("units", "") or f"not given, taken as {u.length}, {u.stress}, s",
         "missing": "; ".join(missing),
+        **({"unit_system": scale.system.name} if scale.system else {}),
     }
     return xr.Dataset(out, coords=coords, attrs=about)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import groups as grouping
-from . import tensors, units
+from . import tensors
 from .kinematics import Group, State
+from .scale import Scale, unit_system
 from .selection import Cells, select_cells
 from .sources import Sources
 
@@ -76,7 +77,8 @@ def element_fields(
     """Element fields (time, element[, component]) of parts, sets or cells: see :data:`FIELDS`.
 
     ``where`` selects elements as ``cells`` of :func:`febkit.metrics.cell_metrics` does ("*" for all). Fields
-    that lack a source are left out; ``attrs["how"]`` of each says how it was got.
+    that lack a source are left out; ``attrs["how"]`` of each says how it was got. Units as those of cell_metrics:
+    kPa, um^3 and um/s where the unit system is known.
     """
     names = tuple(names or FIELDS)
     pick = select_cells(ds, where, split=False)
@@ -101,7 +103,7 @@ def element_fields(
             if "principal_stress" in values:
                 values["principal_stress"] = tensors.principal(values["principal_stress"])
             store.put(t, g.rows, {n: v for n, v in values.items() if n in names})
-    return _dataset(ds, store, sources)
+    return _dataset(ds, store, sources, Scale(unit_system(ds, model)))
 
 
 class _Store:
@@ -119,23 +121,22 @@ class _Store:
             self.arrays[name][t, at] = v.T
 
 
-def _dataset(ds: xr.Dataset, store: _Store, sources: Sources) -> xr.Dataset:
+def _dataset(ds: xr.Dataset, store: _Store, sources: Sources, scale: Scale) -> xr.Dataset:
     import xarray as xr
 
-    u = units.of(ds.attrs.get("units"))
-    unit = {"volume": f"{u.length}^3", "stress": u.stress, "flux": u.flux, "": "1"}
     dims = {"principal_strain": ("principal",), "principal_stress": ("principal",), "fluid_flux": ("xyz",)}
     data = {}
     for name, values in store.arrays.items():
         kind, formula = FIELDS[name]
-        attrs = {"units": unit[kind], "formula": formula}
+        attrs = {**scale.attrs(kind), "formula": formula}
         how = sources.notes.of(name)
         if how:
             attrs["how"] = how
-        data[name] = (("time", "element", *dims.get(name, ())), values, attrs)
+        data[name] = (("time", "element", *dims.get(name, ())), values * scale.by(kind), attrs)
     coords: dict[str, object] = {"time": ds["time"], "element_row": ("element", store.rows)}
     if "element_id" in ds.variables:
         coords["element_id"] = ("element", np.asarray(ds["element_id"].values)[store.rows])
+        coords["element"] = coords["element_id"]
     if "fluid_flux" in data:
         coords["xyz"] = ["x", "y", "z"]
-    return xr.Dataset(data, coords=coords)
+    return xr.Dataset(data, coords=coords, attrs={"unit_system": scale.system.name} if scale.system else {})

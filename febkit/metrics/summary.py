@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit import units
 from febkit.model import InputError
 
 from . import groups as grouping
@@ -51,7 +52,7 @@ def summarize(
     parts      parts or element sets; all parts by default
 
     Element values come from element data as they are, from nodal data as the mean over the element's
-    nodes, from element-node data likewise. Units are those of the variable.
+    nodes, from element-node data likewise. Units are those of the variable, but kPa for stresses and pressures.
     """
     import xarray as xr
 
@@ -75,7 +76,11 @@ def summarize(
             mean[i, t], least[i, t], greatest[i, t] = (v * w).sum() / w.sum(), v.min(), v.max()
             quant[i, t] = weighted_quantiles(v, w, q)
     dims = ("part", "time")
-    attrs = {"units": ds[name].attrs.get("units", ""), "variable": variable}
+    unit = str(ds[name].attrs.get("units", ""))
+    if units.measures(unit, "kPa"):
+        scale = units.factor(unit, "kPa")
+        mean, least, greatest, quant, unit = mean * scale, least * scale, greatest * scale, quant * scale, "kPa"
+    attrs = {"variable": variable, **({"units": unit} if unit else {})}
     return xr.Dataset(
         {
             "mean": (dims, mean, attrs),
@@ -83,8 +88,8 @@ def summarize(
             "greatest": (dims, greatest, attrs),
             "quantiles": ((*dims, "quantile"), quant, attrs),
         },
-        coords={"part": chosen, "time": ds["time"].values, "quantile": q},
-        attrs={"weights": "deformed volume"},
+        coords={"part": chosen, "time": ds["time"].variable, "quantile": q},
+        attrs={"weights": "deformed volume"} | {k: ds.attrs[k] for k in ("unit_system",) if k in ds.attrs},
     )
 
 

@@ -12,17 +12,15 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-# metric -> short heading, scale to the unit printed, that unit (for a model in mm, N, s)
-HEADINGS = {
-    "aspect_ratio_change": ("aspect ratio", 1.0, ""),
-    "volumetric_strain": ("volumetric strain", 1.0, ""),
-    "effective_strain": ("effective strain", 1.0, ""),
-    "effective_stress": ("effective stress", 1.0, None),
-    "max_shear_strain": ("max shear strain", 1.0, ""),
-    "mass_exchange_rate": ("mass exchange", 1.0, None),
+HEADINGS = {  # metric -> short heading
+    "aspect_ratio_change": "aspect ratio",
+    "volumetric_strain": "volumetric strain",
+    "effective_strain": "effective strain",
+    "effective_stress": "effective stress",
+    "max_shear_strain": "max shear strain",
+    "mass_exchange_rate": "mass exchange",
 }
 SPREAD = ("median", "least", "greatest")
-_SCALES = {"MPa": (1e3, "kPa"), "Pa": (1e-3, "kPa")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +80,17 @@ def _text(v: object) -> str:
     return str(v)
 
 
-def heading(metric: str, units: str) -> tuple[str, float]:
-    """Column heading with its unit, and the factor that brings values to it."""
-    name = HEADINGS.get(metric, (metric.replace("_", " "), 1.0, None))[0]
-    scale, unit = _SCALES.get(units, (1.0, units))
-    return (name if unit in ("", "1") else f"{name} ({unit})"), scale
+def heading(metric: str, units: str) -> str:
+    """Column heading with its unit; without where the value is a pure number, or its unit is not known."""
+    name = HEADINGS.get(metric, metric.replace("_", " "))
+    if metric == "mass_exchange_rate" and not units:
+        name = "volume exchange"  # there is no density without units
+    return with_unit(name, units)
+
+
+def with_unit(name: str, units: str) -> str:
+    """ "stress (kPa)"; the name alone where there is no unit to say."""
+    return name if units in ("", "1") else f"{name} ({units})"
 
 
 def rms_table(results: Sequence[tuple[str, xr.Dataset]], title: str = "RMS difference (normalised)") -> Table:
@@ -96,14 +100,14 @@ def rms_table(results: Sequence[tuple[str, xr.Dataset]], title: str = "RMS diffe
     rows = []
     for label, ds in results:
         row: list[object] = [label]
-        for m, (_, scale) in zip(names, head):
+        for m in names:
             if m not in ds["metric"].values:
                 row.append(None)
                 continue
             r = ds.sel(metric=m)
-            row.append(f"{float(r['rms']) * scale:.2e} ({float(r['nrms']):.3f})")
+            row.append(f"{float(r['rms']):.2e} ({float(r['nrms']):.3f})")
         rows.append(row)
-    return Table(title, ["", *(h for h, _ in head)], rows)
+    return Table(title, ["", *head], rows)
 
 
 def limits_table(ds: xr.Dataset, title: str = "Limits of agreement (test - control)") -> Table:
@@ -111,16 +115,8 @@ def limits_table(ds: xr.Dataset, title: str = "Limits of agreement (test - contr
     rows = []
     for m in ds["metric"].values:
         r = ds.sel(metric=m)
-        name, scale = heading(str(m), str(r["units"].values))
-        rows.append(
-            [
-                name,
-                *(float(r[k]) * scale for k in ("rms",)),
-                float(r["nrms"]),
-                *(float(r[k]) * scale for k in ("bias", "lower", "upper")),
-                f"{int(r['outside'])}/{int(r['n'])}",
-            ]
-        )
+        values = [float(r[k]) for k in ("rms", "nrms", "bias", "lower", "upper")]
+        rows.append([heading(str(m), str(r["units"].values)), *values, f"{int(r['outside'])}/{int(r['n'])}"])
     return Table(title, ["metric", "rms", "normalised", "bias", "lower", "upper", "outside"], rows)
 
 
@@ -134,10 +130,10 @@ def spread_table(
     for label, ds in results:
         for moment in ds["moment"].values:
             r = ds.sel(moment=moment)
-            v = [[f"{float(r[k][i]) * s:.3g}" for k in SPREAD] for i, (_, s) in enumerate(head)]
+            v = [[f"{float(r[k][i]):.3g}" for k in SPREAD] for i in range(len(head))]
             row = [f"{mid} [{least}, {greatest}]" for mid, least, greatest in v]
             rows.append([label, str(moment), *row])
-    return Table(title, ["", "moment", *(h for h, _ in head)], rows)
+    return Table(title, ["", "moment", *head], rows)
 
 
 def rank_table(
@@ -158,4 +154,4 @@ def rank_table(
             rows.append([label, str(moment), *cells])
     first = "first / second, in brackets the p-value of Fisher's z between the two"
     note = first if two else "in brackets the p-value of the correlation"
-    return Table(title, ["", "moment", *(HEADINGS.get(m, (m,))[0] for m in names)], rows, note)
+    return Table(title, ["", "moment", *(HEADINGS.get(m, m) for m in names)], rows, note)

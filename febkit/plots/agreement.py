@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def _names(metrics: Sequence[str]) -> list[str]:
-    return [HEADINGS.get(m, (m,))[0] for m in metrics]
+    return [HEADINGS.get(m, m) for m in metrics]
 
 
 def bland_altman(
@@ -31,11 +31,11 @@ def bland_altman(
     colours = canvas.cell_colours(d.sizes["cell"])
     for ax, m in zip(axes.flat, names):
         one = d.sel(metric=m)
-        text, scale = canvas.label_of(control[m], m)
+        text = canvas.label_of(control[m], m)
         for k, colour in enumerate(colours):
-            ax.scatter(one["mean"][k] * scale, one["difference"][k] * scale, s=6, color=colour)
+            ax.scatter(one["mean"][k], one["difference"][k], s=6, color=colour)
         for key, style in (("bias", "-"), ("lower", "--"), ("upper", "--")):
-            ax.axhline(float(one[key]) * scale, color="0.3", ls=style, lw=0.8)
+            ax.axhline(float(one[key]), color="0.3", ls=style, lw=0.8)
         count = int(one["outside"].sum())
         ax.set_title(f"{text}\n{count} of {one['outside'].size} outside", fontsize=9)
         ax.set_xlabel("mean")

@@ -28,9 +28,13 @@ def grid(rows: int, columns: int, width: float = 3.2, height: float = 2.3, **opt
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def label_of(v: xr.DataArray, metric: str) -> tuple[str, float]:
-    """Axis label with unit, and the factor to it."""
-    return heading(metric, str(v.attrs.get("units", "")))
+def label_of(v: xr.DataArray, metric: str) -> str:
+    """Axis label with its unit, where it is known."""
+    return heading(metric, unit_of(v))
+
+
+def unit_of(v: xr.DataArray) -> str:
+    return str(v.attrs.get("units", ""))
 
 
 def time_axis(ax: Any, last: float) -> None:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.metrics.agreement import in_units_of
 from febkit.metrics.cells import METRICS
+from febkit.metrics.tables import with_unit
 
 from . import canvas
 
@@ -26,6 +28,7 @@ def histories(
     until  last time shown; None for all, on a scale that shows ramp and relaxation
     """
     first = next(iter(results.values()))
+    results = {label: in_units_of(first, ds) for label, ds in results.items()}
     names = [m for m in (metrics or METRICS) if m in first]
     figure, axes = canvas.grid(len(names), len(results), sharex="col", sharey="row")
     for c, (label, ds) in enumerate(results.items()):
@@ -34,9 +37,8 @@ def histories(
         colours = canvas.cell_colours(ds.sizes["cell"])
         for r, m in enumerate(names):
             ax = axes[r, c]
-            text, scale = canvas.label_of(first[m], m)
             if m in ds:
-                v = ds[m].transpose("cell", "time").values * scale
+                v = ds[m].transpose("cell", "time").values
                 for k, colour in enumerate(colours):
                     ax.plot(t[show], v[k, show], color=colour, lw=1)
             if until is None:
@@ -45,9 +47,9 @@ def histories(
                 ax.set_xlim(0, until)
             ax.axhline(0, color="0.7", lw=0.5, zorder=0)
             if c == 0:
-                ax.set_ylabel(text)
+                ax.set_ylabel(canvas.label_of(first[m], m))
         axes[0, c].set_title(label)
-        axes[-1, c].set_xlabel("time (s)")
+        axes[-1, c].set_xlabel(with_unit("time", canvas.unit_of(ds["time"])))
     figure.suptitle(title)
     return figure
 

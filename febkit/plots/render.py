@@ -144,7 +144,7 @@ def _time_index(ds: xr.Dataset, time: float | None) -> int:
 
 
 def _clock(ds: xr.Dataset, at: int) -> str:
-    return f"t = {float(ds['time'].values[at]):g} {ds['time'].attrs.get('units', 's')}"
+    return f"t = {float(ds['time'].values[at]):g} {ds['time'].attrs.get('units', '')}".rstrip()
 
 
 def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:

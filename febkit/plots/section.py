@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.metrics import units
 from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
+from febkit.metrics.tables import with_unit
 from febkit.model import InputError
 
 from . import canvas
@@ -114,17 +114,19 @@ def sections(
         )
     figure, axes = canvas.grid(1, len(results), 3.6, 3.4)
     made = [_prepare(ds, model, field, time, normal, at, parts, arrows) for ds, model in results.values()]
+    unit = made[0][3]
+    if any(u != unit for *_, u in made):
+        raise InputError(f"{field} is in different units: {', '.join(u or 'unknown' for *_, u in made)}")
     if limits is None:
-        values = np.concatenate([v for _, v, _ in made])
+        values = np.concatenate([v for _, v, *_ in made])
         limits = (float(np.nanquantile(values, 0.01)), float(np.nanquantile(values, 0.99)))
-    u = units.of(next(iter(results.values()))[0].attrs.get("units"))
-    for ax, label, (section, values, flux) in zip(axes[0], results, made):
+    for ax, (label, (ds, _)), (section, values, flux, _) in zip(axes[0], results.items(), made):
         picture = _draw(ax, section, values, flux, normal, limits, window)
         ax.set_title(label)
         for axis, name in zip((ax.xaxis, ax.yaxis), (a for a in AXES if a != normal)):
-            axis.set_label_text(f"{name} ({u.length})")
-    unit = {"stress": f" ({u.stress})", "volume": f" ({u.length}^3)"}.get(FIELDS[field][0], "")
-    figure.colorbar(picture, ax=list(axes[0]), label=field.replace("_", " ") + unit, shrink=0.85)
+            axis.set_label_text(with_unit(name, canvas.unit_of(ds["X"])))
+    label = with_unit(field.replace("_", " "), unit)
+    figure.colorbar(picture, ax=list(axes[0]), label=label, shrink=0.85)
     figure.suptitle(title)
     return figure
 
@@ -138,7 +140,8 @@ def _prepare(
     at: float,
     parts: Sequence[str] | None,
     arrows: bool,
-) -> tuple[Section, Floats, Floats | None]:
+) -> tuple[Section, Floats, Floats | None, str]:
+    """The section, values and flux of its elements, and the unit of the values."""
     from febkit.metrics.selection import part_rows
 
     t = np.asarray(ds["time"].values, dtype=float)
@@ -160,7 +163,7 @@ def _prepare(
         raise InputError(f"{field} cannot be had from this result without its model")
     at_row = np.searchsorted(f["element_row"].values, near)
     flux = f["fluid_flux"].values[0, at_row] if "fluid_flux" in f else None
-    return section, f[field].values[0, at_row], flux
+    return section, f[field].values[0, at_row], flux, canvas.unit_of(f[field])
 
 
 def _draw(

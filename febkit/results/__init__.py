@@ -16,14 +16,29 @@ __all__ = ["copy", "open", "open_all", "read_data", "read_log", "write"]
 Path = str | os.PathLike[str]
 
 
-def open(path: Path, *, chunks: Any = None, mesh: int | None = None, apart: bool = False) -> xr.Dataset:
+def open(
+    path: Path, *, chunks: Any = None, mesh: int | None = None, apart: bool = False, units: str | None = None
+) -> xr.Dataset:
     """Results as a dataset; variables are read when touched.
 
     ``path`` is a plotfile (.xplt), an LS-DYNA database of FEBio 1 (.plt) or a NetCDF file (.nc) that such a
     dataset was saved to. ``chunks`` as in ``xarray.open_dataset``: "auto", {} or a mapping gives dask arrays.
     ``mesh`` picks a mesh where the file has several. ``apart`` keeps nodal values of domains apart
     (dimension ``domain_node``) instead of merging them by node, where the last domain of a shared node wins.
+    ``units`` names the unit system ("mm-N-s", ...: :data:`febkit.units.SYSTEMS`) where the file does not;
+    InputError where the file names another.
     """
+    ds = _opened(path, chunks, mesh, apart)
+    if units is not None:
+        from febkit.units import one, told
+
+        from .dataset import name_units
+
+        name_units(ds, one(ds.attrs.get("unit_system"), told(units), what=f"{path} and what was said of it"))
+    return ds
+
+
+def _opened(path: Path, chunks: Any, mesh: int | None, apart: bool) -> xr.Dataset:
     if os.fspath(path).lower().endswith((".nc", ".nc4", ".h5")):
         from .netcdf import open_netcdf
 

@@ -1,6 +1,7 @@
 """A plotfile as an xarray.Dataset whose variables are decoded when touched.
 
-Dimensions: ``time``, ``node``, ``element``, ``local`` (nodes of an element), components ``xyz``, ``voigt``
+Dimensions: ``time``, ``node``, ``element`` (both labelled by the file's ids: ``ds.sel(node=13)`` is FEBio's node 13,
+``ds.isel(node=12)`` the thirteenth of the file), ``local`` (nodes of an element), components ``xyz``, ``voigt``
 (xx yy zz xy yz xz), ``tensor`` (row-major), ``principal``, ``voigt4``; ``domain`` for one value per domain;
 ``facet``, ``facet_local``, ``surface``, ``surface_node`` for surfaces; ``edge_*`` for edges; ``solute`` and
 ``solid_bound`` for arrays over the species of a mixture, with their names as coordinates, also where there is one.
@@ -18,10 +19,11 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from febkit import units
 from febkit.model import InputError
 
-from . import units
 from .fields import Field, Places, components, species
+from .variables import unit_symbol
 from .xplt.reader import PlotFile
 from .xplt.records import MeshOutline, PlotSurface, PlotVariable
 
@@ -181,7 +183,26 @@ def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
     ds = xr.Dataset(data, coords, attrs)
     ds.encoding["source"] = str(f.container.path)
     ds.set_close(f.close)
+    name_units(ds, f.header.units)
     return ds
+
+
+def name_units(ds: xr.Dataset, system: str | None) -> None:
+    """Name the system of a dataset, ``attrs["unit_system"]``, and the units of all that it holds, ``attrs["units"]``.
+
+    Pure numbers have the unit "1" in any system; nothing else has one where the system is not known.
+    """
+    known = units.system(system)
+    if system:
+        ds.attrs["unit_system"] = system
+    symbols = {"time": "t", "X": "L"}
+    for name, v in ds.variables.items():
+        symbol = v.attrs.get("febio_units") or unit_symbol(v.attrs.get("febio_name", "")) or symbols.get(str(name), "")
+        unit = "1" if symbol == "1" else known.of(symbol) if known else ""
+        if unit:
+            v.attrs["units"] = unit
+        elif "febio_name" in v.attrs:
+            v.attrs.pop("units", None)
 
 
 def variable_name(name: str) -> str:
@@ -205,11 +226,8 @@ def _attrs(f: PlotFile, v: PlotVariable, index: int, field: Field) -> dict[str, 
         out["febio_array_size"] = v.n
     if v.array_names:
         out["febio_array_names"] = list(v.array_names)
-    symbol = v.units or units.symbol(v.name)
     if v.units:
         out["febio_units"] = v.units
-    if symbol and f.header.units:
-        out["units"] = units.resolve(symbol, f.header.units)
     with_data = field.regions_with_data() if len(field.states) else []
     if v.section not in ("node", "global") and with_data:
         out["febio_regions"] = with_data
@@ -273,6 +291,8 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
     coords: dict[Hashable, Any] = {
         "time": xr.Variable(("time",), short_times(f.times[states])),
         "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
+        "node": xr.Variable(("node",), f.node_ids(mesh), {"long_name": "id of the node"}),
+        "element": xr.Variable(("element",), f.element_ids(mesh), {"long_name": "id of the element"}),
         "node_id": later(("node",), (n,), "i4", partial(_node_ids, f, mesh)),
         "X": later(("node", "xyz"), (n, 3), "f4", partial(_reference, f, mesh)),
         "element_id": later(("element",), (e,), "i4", partial(_element_ids, f, mesh)),
@@ -281,19 +301,24 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
         "connectivity": later(("element", "local"), (e, width), "i4", partial(_connectivity, f, mesh)),
     }
     coords["X"].attrs["long_name"] = "reference coordinates"
-    if f.header.units:
-        coords["X"].attrs["units"] = units.resolve("L", f.header.units)
-        coords["time"].attrs["units"] = units.resolve("t", f.header.units)
+    coords["part"].attrs |= flags(names)
+    coords["element_type"].attrs |= flags(types)
     attrs: dict[str, Any] = {"febio_version": f.version, "febio_compression": f.header.compression}
     for key, value in (
         ("parts", names), ("element_types", types), ("part_materials", [d.part_id for d in o.domains]),
         ("part_sizes", sizes), ("part_named", [int(d.name is not None) for d in o.domains]),
         ("materials", [n for _, n in o.parts]), ("material_ids", [i for i, _ in o.parts]),
-        ("software", f.header.software), ("author", f.header.author), ("unit_system", f.header.units),
+        ("software", f.header.software), ("author", f.header.author),
     ):
         if value:
             attrs[key] = value
     return coords, attrs
+
+
+def flags(meanings: Sequence[str]) -> dict[str, Any]:
+    """Attributes that say what the codes 0, 1, ... of a variable mean, by the CF conventions."""
+    words = [re.sub(r"\s+", "_", m) for m in meanings]
+    return {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)}
 
 
 # functions by name, so that lazy arrays travel to dask's workers
@@ -360,19 +385,22 @@ def _shared(f: PlotFile, p: Places, apart: bool) -> dict[Hashable, Any]:
     return out
 
 
+_ACTIVE = {"long_name": "state of the element", "flag_masks": [1], "flag_meanings": "active"}
+
+
 def _states(f: PlotFile, states: np.ndarray, o: MeshOutline, data: dict[Hashable, xr.Variable]) -> None:
     """Status of each state and flags of the elements, where the file has them."""
     if not len(states):
         return
     layout = f.layout(int(states[0]))
     if layout.status >= 0:
-        meaning = {"long_name": "0 converged, 1 new mesh, 2 not converged"}
+        meaning = {"long_name": "how the step ended"} | flags(["converged", "new_mesh", "not_converged"])
         data["state_status"] = xr.Variable(("time",), f.statuses[states], meaning)
     if layout.flags is not None:
         lazy = indexing.LazilyIndexedArray(
             FrameArray(ElementStates(f, states, o.n_elements), len(states))
         )
-        data["element_state"] = xr.Variable(("time", "element"), lazy, {"long_name": "1 where active"})
+        data["element_state"] = xr.Variable(("time", "element"), lazy, _ACTIVE)
     if layout.objects is not None and o.objects:
         lazy = indexing.LazilyIndexedArray(FrameArray(ObjectStates(f, states, layout.objects[1]), len(states)))
         data["object_state"] = xr.Variable(("time", "object_state_byte"), lazy)

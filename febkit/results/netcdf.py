@@ -12,7 +12,8 @@ from febkit.files import written
 from febkit.model import InputError, Where
 
 _LISTS = ("parts", "element_types", "materials", "names", "febio_array_names")
-_NUMBERS = ("part_materials", "part_sizes", "part_named", "material_ids", "sizes", "widths", "febio_regions")
+_NUMBERS = ("part_materials", "part_sizes", "part_named", "material_ids", "sizes", "widths", "febio_regions",
+            "flag_values", "flag_masks")
 
 
 def write_netcdf(ds: xr.Dataset, path: str | os.PathLike[str], compress: int = 0,

@@ -20,7 +20,7 @@ from xarray.core import indexing
 
 from febkit.model import InputError, Where
 
-from .dataset import FrameArray, short_times
+from .dataset import FrameArray, flags, name_units, short_times
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
@@ -160,6 +160,7 @@ def open_plt(path: str | os.PathLike[str], slots: Mapping[str, str] | None = Non
         )
     ds = xr.Dataset(data, coords, attrs)
     ds.encoding["source"] = str(path)
+    name_units(ds, None)  # the format has no place for a system
     return ds
 
 
@@ -220,11 +221,13 @@ def _mesh(db: Database, where: Where) -> tuple[dict[Hashable, Any], dict[str, An
     coords: dict[Hashable, Any] = {
         "xyz": xr.Variable(("xyz",), ["x", "y", "z"]),
         "voigt": xr.Variable(("voigt",), ["xx", "yy", "zz", "xy", "yz", "xz"]),
+        "node": xr.Variable(("node",), np.arange(1, n + 1, dtype=np.int32)),
+        "element": xr.Variable(("element",), np.arange(1, len(conn) + 1, dtype=np.int32)),
         "node_id": xr.Variable(("node",), np.arange(1, n + 1, dtype=np.int32)),
         "X": xr.Variable(("node", "xyz"), db.X, {"long_name": "reference coordinates"}),
         "element_id": xr.Variable(("element",), np.arange(1, len(conn) + 1, dtype=np.int32)),
-        "part": xr.Variable(("element",), material.astype(np.int32)),
-        "element_type": xr.Variable(("element",), code),
+        "part": xr.Variable(("element",), material.astype(np.int32), flags(parts)),
+        "element_type": xr.Variable(("element",), code, flags([_TYPES[k] for k in used])),
         "connectivity": xr.Variable(("element", "local"), conn[:, :width].astype(np.int32)),
     }
     attrs = {"parts": parts, "element_types": [_TYPES[k] for k in used], "title": db.title}

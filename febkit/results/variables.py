@@ -214,3 +214,44 @@ def _known() -> Iterator[PlotVariable]:
 
 
 VARIABLES: dict[str, PlotVariable] = {v.name: v for v in _known()}
+
+# what FEBio gives no unit but has one all the same ("1": a pure number); others of its "" stay without
+_UNNAMED: dict[str, tuple[str, ...]] = {
+    "1": (
+        "Almansi strain", "contact status", "contact stick", "damage", "deformation gradient",
+        "deviatoric fiber stretch", "discrete element stretch", "effective friction coefficient",
+        "fatigue bond fraction", "fiber stretch", "fiber vector", "fluid dilatation", "fluid load support",
+        "fluid volume ratio", "growth Lagrange strain", "growth infinitesimal strain", "growth left Hencky",
+        "growth left stretch", "growth relative volume", "growth right Hencky", "growth right stretch",
+        "in-situ target stretch", "infinitesimal strain", "intact bond fraction", "Lagrange strain",
+        "left Cauchy-Green", "left Hencky", "left stretch", "local fluid load support", "material axes",
+        "nodal strain", "octahedral plastic strain", "osmotic coefficient", "partition coefficient", "porosity",
+        "prestrain correction", "prestrain stretch", "referential solid volume fraction", "relative volume",
+        "right Cauchy-Green", "right Hencky", "right stretch", "shell bottom nodal strain", "shell bottom strain",
+        "shell relative volume", "shell strain", "shell top nodal strain", "shell top strain",
+        "solid volume fraction", "SPR infinitesimal strain", "SPR Lagrange strain", "SPR relative volume",
+        "truss stretch", "volume fraction", "yielded bond fraction",
+    ),
+    "1/t": ("rate of deformation",),
+    "1/L": ("dilatation gradient", "fluid volume ratio gradient"),
+    "L": ("discrete element elongation", "discrete element length"),
+    "F": ("discrete element signed force", "surface reaction force"),
+    "F.L": ("rigid torque", "surface reaction moment"),
+    "F.t": ("rigid linear momentum",),
+    "E": ("current element kinetic energy", "current element strain energy", "discrete element strain energy"),
+    "E.t": ("rigid angular momentum",),
+    "P": ("deviatoric elasticity", "deviatoric strain energy density", "ideal gas pressure",
+          "kinetic energy density", "strain energy density", "ut4 nodal stress"),
+    "c": ("effective shell solute concentration",),
+    "r": ("rigid angular position", "rigid rotation vector"),
+    "r/t": ("rigid angular velocity",),
+    "r/t^2": ("rigid angular acceleration",),
+}  # fmt: skip
+_OWN: dict[str, str] = {name: unit for unit, names in _UNNAMED.items() for name in names}
+
+
+def unit_symbol(name: str) -> str:
+    """FEBio's symbol of a plot variable's unit, "1" for pure numbers, "" where nothing is known."""
+    plain = name.split("=")[0].split("[")[0].strip()
+    known = VARIABLES.get(plain)
+    return (known.units if known else None) or _OWN.get(plain, "")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Where
+from febkit.units import SYSTEMS
 
 from .entries import Entries
 
@@ -85,7 +86,7 @@ class Study:
 
 _TOP = (
     "name", "cases", "methods", "control", "folder", "model", "tissue", "cell", "embedded", "points", "coupling",
-    "measure", "run",
+    "measure", "run", "units",
 )  # fmt: skip
 
 
@@ -112,6 +113,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     cell, seeds = _seeds(shared | _model(top, "cell"), embedded, where)
     run = top.table("run")
     run.only(("threads", "memory", "workers", "keep"))
+    units = _units(top)
     return Study(
         file=path,
         folder=path.parent / top.text("folder", "") if _told(overrides) else own,
@@ -124,8 +126,8 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         tissue=_located(shared | _model(top, "tissue"), "tissue", path.parent, where),
         cell=_located(cell, "cell", path.parent, where),
         embedded=_located(_control(cell, embedded), "embedded", path.parent, where),
-        coupling=_coupling(top.table("coupling")),
-        measure=_measure(top.table("measure")),
+        coupling=_coupling(top.table("coupling")) | units,
+        measure=_measure(top.table("measure")) | units,
         resources=Resources(run.whole("threads", 1, 1), run.positive("memory", 2.0), run.whole("workers", 0, 0)),
         keep=run.choice("keep", "all", ("all", "metrics")),
     )
@@ -149,6 +151,11 @@ def _override(t: dict[str, Any], text: str) -> None:
 
 def _told(overrides: Sequence[str]) -> bool:
     return any(o.partition("=")[0].strip() == "folder" for o in overrides)
+
+
+def _units(top: Entries) -> dict[str, str]:
+    """``units`` = "mm-N-s": of results that name none themselves."""
+    return {"units": top.choice("units", "", tuple(SYSTEMS))} if "units" in top.given else {}
 
 
 def _folder(top: Entries, path: Path) -> Path:

@@ -102,9 +102,9 @@ def _errors(
         case,
         "errors of order 1 and 2 alike" if alike else "order 2 has less than half the error of order 1",
         recovery,
-        {HEADINGS[m][0]: v for m, v in ratio.items()},
+        {HEADINGS[m]: v for m, v in ratio.items()},
         tuple(all(within(ratio[m][k]) for m in names) for k in range(len(pairs))),
-        {HEADINGS[m][0]: NRMS[case, 2][m] / NRMS[case, 1][m] for m in names},
+        {HEADINGS[m]: NRMS[case, 2][m] / NRMS[case, 1][m] for m in names},
     )
 
 
@@ -180,4 +180,4 @@ def beside_published(methods: Sequence[Method], agreed: Mapping[Place, xr.Datase
                 row.append(text + (f" ({printed[k]:.3f})" if k in printed else ""))
             rows.append(row)
     title = f"RMS difference over the control's range, in brackets as published ({SOURCE})"
-    return Table(title, ["", *(HEADINGS[m][0] for m in METRICS)], rows)
+    return Table(title, ["", *(HEADINGS[m] for m in METRICS)], rows)

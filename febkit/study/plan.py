@@ -144,7 +144,7 @@ def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping
     params: dict[str, Any] = {"point": k, "solid": method.solid, "fluid": method.fluid}
     params |= {} if method.solute is None else {"solute": method.solute}
     if method.name == "overlay":
-        params |= {"at": list(study.points[k])}
+        params |= {"at": list(study.points[k])} | _units(study)
         inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}
     else:
         inputs = {"cell": cell, "series": _series(study, at.case, method, tissue)}
@@ -152,6 +152,11 @@ def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping
     results = Step("solve", f"{label}: solve", {}, {"model": model})
     drop = ("model", "results") if study.keep == "metrics" else ()
     return _measure(study, f"{label}: measure", {"model": model, "results": results}, drop)
+
+
+def _units(study: Study) -> dict[str, Any]:
+    """The unit system that the study names for results that name none, where it does."""
+    return {k: study.measure[k] for k in ("units",) if k in study.measure}
 
 
 def _measure(study: Study, label: str, solved: Mapping[str, Step], drop: tuple[str, ...]) -> Step:

@@ -230,7 +230,8 @@ def _opened(plan: Plan, measure: Any) -> Any:
     if results is None or not store.has(results.key):
         return None
     path = store.path(model.key) / MODEL if model is not None else None
-    return open_results(store.path(results.key) / RESULTS), read(path) if path and path.is_file() else None
+    units = plan.study.measure.get("units")
+    return open_results(store.path(results.key) / RESULTS, units=units), read(path) if path and path.is_file() else None
 
 
 def _label(method: str) -> str:

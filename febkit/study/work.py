@@ -7,7 +7,10 @@ import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from febkit.model import Model
 
 MODEL, RESULTS, SERIES, METRICS, AGREEMENT = (
     "model.feb",
@@ -76,7 +79,7 @@ def series(job: Job) -> None:
     from febkit import coupling, results
 
     options = {k: v for k, v in job.params.items() if k in ("order", "recovery", "own_part")}
-    with results.open(job.inputs["results"] / RESULTS) as tissue:
+    with results.open(job.inputs["results"] / RESULTS, units=job.params.get("units")) as tissue:
         found = coupling.series(tissue, job.params["points"], beyond=True, **options)
     found.to_netcdf(job.folder / SERIES)
 
@@ -87,7 +90,7 @@ def drive(job: Job) -> None:
 
     model = feb.read(job.inputs["cell"] / MODEL)
     nodes = coupling.surface_nodes(model.mesh)
-    given, driving, point = _handoff(job, model.mesh.X[nodes])
+    given, driving, point = _handoff(job, model, model.mesh.X[nodes])
     found = coupling.check(given, driving, point)
     job.record["said"], job.record["problems"] = list(found.lines), list(found.problems)
     driven = coupling.drive(model, given, nodes)
@@ -95,14 +98,18 @@ def drive(job: Job) -> None:
     job.record["problems"] += [str(x) for x in lost or ()]
 
 
-def _handoff(job: Job, X: Any) -> tuple[Any, Any, int]:
+def _handoff(job: Job, model: Model, X: Any) -> tuple[Any, Any, int]:
     """What the tissue does at the surface nodes ``X``, the series behind it (None: overlay), its point."""
     from febkit import coupling, results
 
     if "series" not in job.inputs:
-        with results.open(job.inputs["tissue_results"] / RESULTS) as tissue:
-            return coupling.overlay(coupling.from_dataset(tissue), X, job.params["at"]), None, 0
+        path = job.inputs["tissue_results"] / RESULTS
+        with results.open(path, units=job.params.get("units")) as tissue:
+            field = coupling.from_dataset(tissue)
+        coupling.same_units(field.units, model.units)
+        return coupling.overlay(field, X, job.params["at"]), None, 0
     driving = coupling.read_driving(job.inputs["series"] / SERIES)
+    coupling.same_units(driving.attrs.get("unit_system"), model.units)
     point = int(job.params["point"])
     solid, fluid, solute = job.params["solid"], job.params["fluid"], job.params.get("solute")
     given = coupling.handoff(driving, X, point=point, order=solid, fluid_order=fluid, solute_order=solute)
@@ -116,8 +123,9 @@ def measure(job: Job) -> None:
 
     path = job.inputs["model"] / MODEL
     model = feb.read(path) if path.is_file() else None
-    with results.open(job.inputs["results"] / RESULTS) as ds:
-        cell_metrics(ds, model, **job.params).to_netcdf(job.folder / METRICS)
+    told = {k: v for k, v in job.params.items() if k != "units"}
+    with results.open(job.inputs["results"] / RESULTS, units=job.params.get("units")) as ds:
+        cell_metrics(ds, model, **told).to_netcdf(job.folder / METRICS)
 
 
 def compare(job: Job) -> None:

@@ -36,7 +36,7 @@ def test_metrics_to_table_and_file(run):
         assert "integration points" in ds.effective_stress.attrs["how"]
     call("metrics", run / "cell.xplt", "-o", run / "a.csv", "--style", "csv")
     head, *rows = (run / "a.csv").read_text().splitlines()
-    assert head.startswith("cell,time,aspect_ratio_change") and len(rows) == 3
+    assert head.startswith("cell,time (s),aspect_ratio_change") and len(rows) == 3
 
 
 def test_consistent_exchange(run):
@@ -59,7 +59,9 @@ def test_summary_and_fields(run):
     out = call("metrics", run / "cell.xplt", "-v", "stress:effective", "-p", "ecm", "-q", 0.5, "--style", "csv",
                "-o", run / "q.csv")  # fmt: skip
     assert "quantile 0.5" in out and "quantile 0.95" not in out
-    assert (run / "q.csv").read_text().splitlines()[0] == "part,time,mean,least,greatest,quantile_0.5"
+    assert (run / "q.csv").read_text().splitlines()[0] == (
+        "part,time (s),mean (kPa),least (kPa),greatest (kPa),quantile_0.5 (kPa)"
+    )
     call("metrics", run / "cell.xplt", "--fields", "-c", "pcm_1", "-o", run / "f.nc")
     with xr.open_dataset(run / "f.nc") as ds:
         assert set(ds.data_vars) >= {"effective_strain", "effective_stress", "fluid_flux", "volume", "principal_stress"}

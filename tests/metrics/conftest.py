@@ -1,4 +1,4 @@
-"""Small results made by hand, in the shape that febkit.results.open gives."""
+"""Small results made by hand, in the shape that febkit.results.open gives; they name no units."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def result(
         "element_type": ("element", np.repeat([types.index(t) for t, _, _ in blocks], count)),
         "connectivity": (("element", "local"), conn),
     }
-    return xr.Dataset(data, coords=coords, attrs={"parts": parts, "element_types": types, "units": "mm-N-s"})
+    return xr.Dataset(data, coords=coords, attrs={"parts": parts, "element_types": types})
 
 
 def single(kind: str) -> Mesh:

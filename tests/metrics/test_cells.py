@@ -87,9 +87,9 @@ def test_rigid_rotation_changes_nothing(mesh, make):
 
 @pytest.mark.parametrize(("sides", "order"), [("both", 1.2), ("cell", 0.7)])
 def test_uniform_radial_flux(coated_mesh, make, sides, order):
-    """p = -c r^2/2k has q = c r: mass rate 4 pi r^2 rho c r, closer with both sides of the surface."""
+    """p = -c r^2/2k has q = c r: a rate of volume of 4 pi r^2 c r, closer with both sides of the surface."""
     k, c, r = 0.001, 0.7, 0.005
-    exact = 4 * np.pi * r**2 * 1e9 * c * r
+    exact = 4 * np.pi * r**2 * c * r
     error = []
     for n in (6, 12):
         X, cell, pcm = coated_mesh(n, r, 2)
@@ -107,7 +107,7 @@ def test_given_nodal_flux_is_integrated_exactly(mesh, make):
     ds = make(X, [("hex8", "cell1", conn)], lambda X, t: X)
     ds["nodal_fluid_flux"] = (("time", "element", "local", "xyz"), np.stack([0.7 * X[conn]] * 2))
     m = cell_metrics(ds).isel(cell=0, time=1)
-    assert m.mass_exchange_rate.item() == pytest.approx(3e9 * 0.7 * m.volume.item(), rel=1e-12)
+    assert m.mass_exchange_rate.item() == pytest.approx(3 * 0.7 * m.volume.item(), rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -122,13 +122,13 @@ def test_every_element_kind(one, make, kind):
     e = np.linalg.eigvalsh((F.T @ F - np.eye(3)) / 2)
     assert m.volumetric_strain[1] == pytest.approx(np.linalg.det(F) - 1, rel=1e-10)
     assert m.max_shear_strain[1] == pytest.approx(e[2] - e[0], rel=1e-10)
-    assert np.allclose(m.mass_exchange_rate, 3e9 * m.volume, rtol=1e-10)
+    assert np.allclose(m.mass_exchange_rate, 3 * m.volume, rtol=1e-10)
     f = element_fields(ds, "*", model(["cell"]))
     assert np.allclose(f.principal_strain[1, 0], e[::-1])
     mu, lam, J = 0.001 / 2.8, 0.001 * 0.4 / (1.4 * 0.2), np.linalg.det(STRETCH)
     s = (mu * (np.diag(STRETCH) ** 2 - 1) + lam * np.log(J)) / J
     assert np.allclose(f.principal_stress[1, 0], np.sort(s)[::-1], rtol=1e-10)
-    assert f.principal_stress.attrs["units"] == "MPa" and "material" in f.principal_stress.attrs["how"]
+    assert "units" not in f.principal_stress.attrs and "material" in f.principal_stress.attrs["how"]
     # without the model, of the plotfile's element means
     mean = np.zeros((2, ds.sizes["element"], 6))
     mean[1, :, :3] = s

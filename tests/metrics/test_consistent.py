@@ -28,7 +28,7 @@ def solve(folder: Path, name: str, *edits: tuple[str, str], **values):
         assert old in text, old
         text = text.replace(old, new)
     (folder / "m.feb").write_text(text)
-    model = febkit.read(folder / "m.feb")
+    model = febkit.read(folder / "m.feb").record
     result = febkit.solve(model, folder / "m.xplt")
     assert result.converged, result.reason
     with open_results(folder / "m.xplt") as ds:

@@ -8,6 +8,7 @@ import xarray as xr
 
 pytest.importorskip("matplotlib")
 
+import febkit
 from febkit import plots
 from febkit.metrics import METRICS, cell_metrics, compare
 from febkit.model import InputError
@@ -92,14 +93,15 @@ def test_a_section_covers_the_plane_once(at):
 
 
 def test_sections_side_by_side(tmp_path):
-    ds = block()
+    febkit.results.write(block().assign_attrs(unit_system="mm-N-s"), tmp_path / "a.xplt")
+    ds = febkit.open_results(tmp_path / "a.xplt")
     figure = plots.sections({"a": (ds, None), "b": (ds, None)}, time=1.0, at=0.4)
     values = figure.axes[0].collections[0].get_array()
     exact = float(cell_metrics(ds)["effective_strain"][0, 1])
     assert np.allclose(values, exact)
     assert figure.axes[0].get_xlabel() == "x (mm)" and figure.axes[0].get_ylabel() == "z (mm)"
     stress = plots.sections({"a": (ds, None)}, "volume", time=1.0, at=0.4)
-    assert stress.axes[-1].get_ylabel() == "volume (mm^3)"
+    assert stress.axes[-1].get_ylabel() == "volume (um^3)"
     plots.save(figure, tmp_path / "s.png")
     with pytest.raises(InputError, match="nearest"):
         plots.sections({"a": (ds, None)}, time=0.5)

@@ -246,6 +246,21 @@ def test_consistent_exchange_has_velocities_written(tmp_path):
     assert all(s.params == {"exchange": "consistent"} for s in own.metrics.values())
 
 
+def test_units_of_a_study_go_where_results_are_read(tmp_path):
+    """Only results that name none need them, so addresses are as before where the study says nothing."""
+    plain, told = plan_of(tmp_path), plan_of(tmp_path, "units=um-nN-s")
+    for step in told.steps().values():
+        reads = step.kind in ("series", "measure")
+        assert step.params.get("units") == ("um-nN-s" if reads else None), step.label
+    assert all("units" not in s.params for s in plain.steps().values())
+    (overlay,) = (s for s in plan_of(tmp_path, 'methods=["overlay"]', "points={}", "units=SI").steps().values()
+                  if s.kind == "drive")  # fmt: skip
+    assert overlay.params["units"] == "SI"
+    for bad in ("inch", 3):
+        with pytest.raises(InputError, match="units must be SI or mm-N-s"):
+            plan_of(tmp_path, f"units={bad}")
+
+
 def test_seeds_share_the_tissue(tmp_path):
     one, three = (plan_of(tmp_path, "control=true", f"cell.{s}") for s in ("seed=2", "seed=[1, 2, 3]"))
     kinds = [s.kind for s in three.steps().values()]

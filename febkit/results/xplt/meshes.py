@@ -69,6 +69,23 @@ def read(c: Container, section: Bytes, h: Header, o: MeshOutline) -> PlotMesh:
     )
 
 
+def node_ids(c: Container, section: Bytes, h: Header) -> np.ndarray:
+    """(node,) ids alone."""
+    found = dict(c.children(section, "mesh"))
+    rows = _node_rows(c, found.get(tags.NODE_SECTION, Bytes(b"", 0, 0)), h)
+    if rows.old or h.version < 0x33:
+        return np.arange(1, rows.count + 1, dtype=np.int32)
+    return c.words(rows.data).reshape(rows.count, rows.dim + 1)[:, 0].astype("=i4")
+
+
+def element_ids(c: Container, section: Bytes) -> np.ndarray:
+    """(element,) ids alone, domain after domain."""
+    found = dict(c.children(section, "mesh"))
+    heads = _domain_heads(c, found.get(tags.DOMAIN_SECTION, Bytes(b"", 0, 0)))
+    ids = [c.words(b).reshape(d.count, d.width + 3)[:, 2] for d, b in heads if d.count]
+    return np.concatenate(ids).astype("=i4") if ids else np.empty(0, np.int32)
+
+
 @dataclass(frozen=True, slots=True)
 class _NodeRows:
     count: int

@@ -107,6 +107,14 @@ class PlotFile:
             self._meshes[i] = made
         return self._meshes[i]
 
+    def node_ids(self, i: int = 0) -> np.ndarray:
+        """(node,) ids of a mesh, without the rest of it."""
+        return meshes.node_ids(self.container, self._section(i), self.header)
+
+    def element_ids(self, i: int = 0) -> np.ndarray:
+        """(element,) ids of a mesh, without the rest of it."""
+        return meshes.element_ids(self.container, self._section(i))
+
     def payload(self, state: int) -> Bytes:
         return self.container.payload(self.states[state].block)
 
