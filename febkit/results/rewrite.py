@@ -91,7 +91,11 @@ def copy(
                     found = dict(f.regions(i, t))
                     if found:
                         data[k] = found
-                w.state(f.time(t), data, f.status(t), _flags(f, t), f.objects(t))
+                flags = _flags(f, t)
+                try:
+                    w.state(f.time(t), data, f.status(t), flags, f.objects(t))
+                except ValueError as e:  # surfaces may be padded beyond their mesh; what is written may not
+                    raise InputError(f"damaged state at t = {f.time(t):g}: {e}", f.container.where) from None
 
 
 def _flags(f: PlotFile, t: int) -> np.ndarray | None:

@@ -255,3 +255,43 @@ def test_the_datasets_of_several_meshes_share_a_file(tmp_path: Path, make_modern
     first.close()
     np.testing.assert_array_equal(second["displacement"][0, 0], [0, 1, 2])
     second.close()
+
+
+def test_what_a_file_says_twice_is_refused(tmp_path: Path, make_modern) -> None:
+    """Which of the two counts nobody can know."""
+    from helpers.mutate_plot import parse
+
+    raw = make_modern()
+    path = tmp_path / "a.xplt"
+
+    def spoiled(tag: int, inside: int) -> bytes:
+        top = parse(raw, "<")
+        for n in (n for b in top if b.tag == inside for n in b.walk()):
+            for k, child in enumerate(n.children):
+                if child.tag == tag:
+                    n.children.insert(k, child)
+                    return raw[:4] + b"".join(b.bytes("<") for b in top)
+        raise AssertionError
+
+    for tag, inside, said in ((0x02010002, STATE, "two times"), (0x02020001, STATE, "data of region 0 twice"),
+                              (0x01041000, 0x01040000, "section 0x01041000 twice")):  # fmt: skip
+        path.write_bytes(spoiled(tag, inside))
+        with pytest.raises(InputError, match=said):
+            results.open(path).load()
+
+
+def test_times_are_numbers(tmp_path: Path, make_modern) -> None:
+    path = tmp_path / "a.xplt"
+    old = struct.pack("<IIf", 0x02010002, 4, 0.1)
+    for packed in ("", "block"):
+        top = make_modern().replace(old, struct.pack("<IIf", 0x02010002, 4, np.nan))
+        if packed:
+            from helpers.mutate_plot import parse
+
+            blocks = parse(top, "<")
+            for b in blocks:
+                b.packed = packed if b.tag == STATE else ""
+            top = top[:4] + b"".join(b.bytes("<") for b in blocks)
+        path.write_bytes(top)
+        with pytest.raises(InputError, match="the time of state 2 is nan"):
+            results.open(path)

@@ -27,7 +27,7 @@ _ELEMENTSET = (tags.ELEMENTSET, tags.ELEMENTSET_HDR, tags.ELEMENTSET_NAME, tags.
 
 def outline(c: Container, section: Bytes, h: Header) -> MeshOutline:
     """Everything of a mesh section but coordinates and elements."""
-    found = dict(c.children(section, "mesh"))
+    found = _sections(c, section)
     none = Bytes(b"", 0, 0)
     n = _node_rows(c, found.get(tags.NODE_SECTION, none), h).count
     facets = _surfaces(c, found.get(tags.FACETSET_SECTION, none), _FACETSET, n, h.version, None)
@@ -52,7 +52,7 @@ def outline(c: Container, section: Bytes, h: Header) -> MeshOutline:
 
 def read(c: Container, section: Bytes, h: Header, o: MeshOutline) -> PlotMesh:
     """The whole mesh section."""
-    found = dict(c.children(section, "mesh"))
+    found = _sections(c, section)
     none = Bytes(b"", 0, 0)
     ids, X = _nodes(c, _node_rows(c, found.get(tags.NODE_SECTION, none), h), h)
     return PlotMesh(
@@ -71,7 +71,7 @@ def read(c: Container, section: Bytes, h: Header, o: MeshOutline) -> PlotMesh:
 
 def node_ids(c: Container, section: Bytes, h: Header) -> np.ndarray:
     """(node,) ids alone."""
-    found = dict(c.children(section, "mesh"))
+    found = _sections(c, section)
     rows = _node_rows(c, found.get(tags.NODE_SECTION, Bytes(b"", 0, 0)), h)
     if rows.old or h.version < 0x33:
         return np.arange(1, rows.count + 1, dtype=np.int32)
@@ -80,10 +80,20 @@ def node_ids(c: Container, section: Bytes, h: Header) -> np.ndarray:
 
 def element_ids(c: Container, section: Bytes) -> np.ndarray:
     """(element,) ids alone, domain after domain."""
-    found = dict(c.children(section, "mesh"))
+    found = _sections(c, section)
     heads = _domain_heads(c, found.get(tags.DOMAIN_SECTION, Bytes(b"", 0, 0)))
     ids = [c.words(b).reshape(d.count, d.width + 3)[:, 2] for d, b in heads if d.count]
     return np.concatenate(ids).astype("=i4") if ids else np.empty(0, np.int32)
+
+
+def _sections(c: Container, mesh: Bytes) -> dict[int, Bytes]:
+    """The sections of a mesh by tag."""
+    out: dict[int, Bytes] = {}
+    for tag, b in c.children(mesh, "mesh"):
+        if tag in out:
+            raise InputError(f"damaged mesh: it has section {tag:#010x} twice", c.where)
+        out[tag] = b
+    return out
 
 
 @dataclass(frozen=True, slots=True)

@@ -147,6 +147,9 @@ class PlotFile:
             else:
                 out[i] = self.time(i)
             i += n
+        if not np.isfinite(out).all():
+            k = int(np.argmin(np.isfinite(out)))
+            raise InputError(f"damaged: the time of state {k + 1} is {out[k]}", self.container.where)
         return out
 
     @property
@@ -306,6 +309,7 @@ class _Walk:
         self.objects: tuple[int, int] | None = None
         self.regions: list[list[tuple[int, int, int]]] = [[] for _ in f.variables]
         self.index: dict[str, list[int]] = {}
+        self.seen: set[tuple[str, int, int]] = set()  # (section, variable, region) with data
         for i, v in enumerate(f.variables):
             self.index.setdefault(v.section, []).append(i)
 
@@ -344,6 +348,8 @@ class _Walk:
         for tag, b in self._blocks(head):
             if tag in (tags.STATE_HDR_TIME, tags.STATE_STATUS) and b.stop - b.start != 4:
                 raise InputError("damaged state header", self.c.where)
+            if tag == tags.STATE_HDR_TIME and self.time >= 0:
+                raise InputError("damaged state: it has two times", self.c.where)
             if tag == tags.STATE_HDR_TIME:
                 self.time = b.start - self.start
             elif tag == tags.STATE_STATUS:
@@ -376,7 +382,11 @@ class _Walk:
                     at, n = self._span(r)
                     if n % 4:
                         raise InputError("damaged state: values of odd size", self.c.where)
+                    if n and (section, number, region) in self.seen:
+                        say = f"damaged state: {section} variable {number} has data of region {region} twice"
+                        raise InputError(say, self.c.where)
                     if n:
+                        self.seen.add((section, number, region))
                         found.append((region, at, n))
 
 
