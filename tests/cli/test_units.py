@@ -233,7 +233,7 @@ def test_the_hand_off_carries_units(runs: Path, unnamed: Path) -> None:
     assert not (runs / "driven.feb").exists()
     out, err = call("boundary", unnamed, runs / "um-nN-s.feb", "--at", "0,0,0", "-o", runs / "driven.feb")
     assert "taken to be in those of the cell model, um-nN-s" in out + err
-    out, err = call("boundary", unnamed, runs / "um-nN-s.feb", "--at", "0,0,0", "-o", runs / "driven.feb",
+    out, err = call("boundary", unnamed, runs / "um-nN-s.feb", "--at", "0,0,0", "-o", runs / "told.feb",
                     "--units", "um-nN-s")  # fmt: skip
     assert "taken to be" not in out + err
 
