@@ -119,7 +119,7 @@ def from_dataset(ds: xr.Dataset) -> Field:
     """
     if DISPLACEMENT not in ds:
         raise InputError('the result holds no "displacement": add <var type="displacement"/> to its plotfile')
-    blocks = _blocks(ds)
+    blocks = solid_blocks(ds)
     if not blocks:
         raise InputError("the result holds no solid elements")
     name = next((v for v in PRESSURE if v in ds and "node" in ds[v].dims), None)
@@ -160,7 +160,8 @@ def _potential(ds: xr.Dataset, X: Floats, blocks: tuple[Block, ...]) -> Floats |
     return np.asarray(total / np.where(weight > 0, weight, 1.0))
 
 
-def _blocks(ds: xr.Dataset) -> tuple[Block, ...]:
+def solid_blocks(ds: xr.Dataset) -> tuple[Block, ...]:
+    """The solid elements of a result, a block for each type."""
     code = np.asarray(ds["element_type"].values)
     names = ds.attrs.get("element_types")
     names = [names] if isinstance(names, str) else list(names) if names is not None else []

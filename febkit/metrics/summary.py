@@ -54,6 +54,19 @@ def summarize(
     Element values come from element data as they are, from nodal data as the mean over the element's
     nodes, from element-node data likewise. Units are those of the variable, but kPa for stresses and pressures.
     """
+    found = summary(ds, variable, parts, quantiles)
+    unit = str(found["mean"].attrs.get("units", ""))
+    if units.measures(unit, "kPa"):
+        scale = units.factor(unit, "kPa")
+        for key, v in found.data_vars.items():
+            found[key] = (v * scale).assign_attrs(v.attrs | {"units": "kPa"})
+    return found
+
+
+def summary(
+    ds: xr.Dataset, variable: str, parts: Sequence[str] | None = None, quantiles: Sequence[float] | Floats = QUANTILES
+) -> xr.Dataset:
+    """What :func:`summarize` gives, stresses too in the units of the variable."""
     import xarray as xr
 
     name, _, word = variable.partition(":")
@@ -76,11 +89,7 @@ def summarize(
             mean[i, t], least[i, t], greatest[i, t] = (v * w).sum() / w.sum(), v.min(), v.max()
             quant[i, t] = weighted_quantiles(v, w, q)
     dims = ("part", "time")
-    unit = str(ds[name].attrs.get("units", ""))
-    if units.measures(unit, "kPa"):
-        scale = units.factor(unit, "kPa")
-        mean, least, greatest, quant, unit = mean * scale, least * scale, greatest * scale, quant * scale, "kPa"
-    attrs = {"variable": variable, **({"units": unit} if unit else {})}
+    attrs = {"variable": variable} | {k: ds[name].attrs[k] for k in ("units",) if k in ds[name].attrs}
     return xr.Dataset(
         {
             "mean": (dims, mean, attrs),
@@ -91,6 +100,27 @@ def summarize(
         coords={"part": chosen, "time": ds["time"].variable, "quantile": q},
         attrs={"weights": "deformed volume"} | {k: ds.attrs[k] for k in ("unit_system",) if k in ds.attrs},
     )
+
+
+def mean(ds: xr.Dataset, variable: str, part: str | None = None) -> xr.DataArray:
+    """(time[, component]) deformed-volume-weighted mean of a variable, or of a component or scalar of it ("name:word"),
+    over a part or element set, all elements by default; elements without a value do not count."""
+    import xarray as xr
+
+    name, _, word = variable.partition(":")
+    rows = part_rows(ds, part) if part else np.arange(ds.sizes["element"])
+    volume, v, out = _volumes(ds, rows), ds[name], []
+    for t in range(ds.sizes["time"]):
+        state = v.isel(time=t) if "time" in v.dims else v
+        a = _by_element(ds, state, rows)
+        a = scalar_of(name, word, state, a) if word else a
+        w = volume[t].reshape(-1, *[1] * (a.ndim - 1)) * np.isfinite(a)
+        with np.errstate(invalid="ignore"):
+            out.append((np.where(w > 0, a, 0.0) * w).sum(axis=0) / w.sum(axis=0))
+    rest = () if word else tuple(d for d in v.dims if d not in ("time", "node", "element", "local"))
+    coords = {"time": ds["time"]} | {d: ds[d] for d in rest if d in ds.coords}
+    attrs = {k: v.attrs[k] for k in ("units", "long_name") if k in v.attrs}
+    return xr.DataArray(np.array(out), dims=("time", *rest), coords=coords, name=name, attrs=attrs)
 
 
 def _volumes(ds: xr.Dataset, rows: Ints) -> Floats:
@@ -112,6 +142,11 @@ def _volumes(ds: xr.Dataset, rows: Ints) -> Floats:
 def _scalar(ds: xr.Dataset, name: str, word: str, t: int, rows: Ints) -> Floats:
     """(e,) one number per element."""
     v = ds[name].isel(time=t) if "time" in ds[name].dims else ds[name]
+    return scalar_of(name, word, v, _by_element(ds, v, rows))
+
+
+def _by_element(ds: xr.Dataset, v: xr.DataArray, rows: Ints) -> Floats:
+    """(e[, component]) values of a state by element: nodal ones by their mean."""
     a = np.asarray(v.values, dtype=float)
     if "element" in v.dims:
         a = a[rows]
@@ -122,8 +157,8 @@ def _scalar(ds: xr.Dataset, name: str, word: str, t: int, rows: Ints) -> Floats:
         inside = (conn >= 0).reshape(*conn.shape, *([1] * (a.ndim - 1)))
         a = np.where(inside, a[conn], 0).sum(axis=1) / inside.sum(axis=1)
     else:
-        raise InputError(f"{name} lives on neither nodes nor elements")
-    return scalar_of(name, word, v, a)
+        raise InputError(f"{v.name} lives on neither nodes nor elements")
+    return a
 
 
 def scalar_of(name: str, word: str, v: xr.DataArray, a: Floats) -> Floats:

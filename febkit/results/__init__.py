@@ -28,6 +28,8 @@ def open(
     ``units`` names the unit system ("mm-N-s", ...: :data:`febkit.units.SYSTEMS`) where the file does not;
     InputError where the file names another.
     """
+    from . import accessor  # noqa: F401 (registers ds.febkit)
+
     ds = _opened(path, chunks, mesh, apart)
     if units is not None:
         from febkit.units import one, told
@@ -56,6 +58,7 @@ def _opened(path: Path, chunks: Any, mesh: int | None, apart: bool) -> xr.Datase
 
 def open_all(path: Path, *, apart: bool = False) -> list[xr.Dataset]:
     """One dataset per mesh of a plotfile, in order of time."""
+    from . import accessor  # noqa: F401
     from .backend import open_all as every
 
     return every(path, apart=apart)

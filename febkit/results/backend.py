@@ -12,6 +12,8 @@ from xarray.backends import BackendEntrypoint
 
 from febkit.model import InputError, Where
 
+from . import accessor  # noqa: F401 (registers ds.febkit for those who open with xarray)
+
 if TYPE_CHECKING:
     import xarray as xr
 

@@ -62,9 +62,9 @@ def of(ds: xr.Dataset) -> ResultMesh:
         node_ids=ds["node_id"].values,
         X=ds["X"].values,
         blocks=_blocks(ds),
-        node_sets=_members(ds, "node_set_members"),
+        node_sets=node_sets(ds),
         element_sets=_members(ds, "element_set_members"),
-        surfaces=dict(_facets(ds, "facets")),
+        surfaces=surfaces(ds),
     )
 
 
@@ -99,6 +99,16 @@ def _blocks(ds: xr.Dataset) -> list[ResultBlock]:
         t = types[kind[a]]
         out.append(ResultBlock(t, parts[part[a]], ids[a:b], conn[a:b, : nodes[t]], slice(a, b)))
     return out
+
+
+def node_sets(ds: xr.Dataset) -> dict[str, np.ndarray]:
+    """Rows of the nodes of each node set."""
+    return _members(ds, "node_set_members")
+
+
+def surfaces(ds: xr.Dataset) -> dict[str, np.ndarray]:
+    """(facet, local) rows of nodes of each surface, padded with -1."""
+    return dict(_facets(ds, "facets"))
 
 
 def _members(ds: xr.Dataset, key: str) -> dict[str, np.ndarray]:
