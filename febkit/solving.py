@@ -51,7 +51,7 @@ def solve(
     from febkit.solver.run import Options, Run
 
     model = as_record(model)
-    require(model)
+    doubts = require(model)
     data = _destinations(model, plotfile, logfile, data_anywhere)
     problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)
     if linear == "iterative":
@@ -103,6 +103,8 @@ def solve(
             told.append(ProgressListener(Path(model.file).name or "solving"))
         from febkit.output.warned import WarningListener
 
+        for doubt in doubts:
+            tell(doubt)
         run = Run(problem, [*told, WarningListener(tell)], options)
         ends.callback(run.team.close)
         return run.solve()

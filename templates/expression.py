@@ -13,9 +13,34 @@ from typing import Any
 from febkit.model import InputError, Where
 
 _PLACE = re.compile(r"\$\{([^{}]*)\}")
+MOST = 1_000_000  # entries of a list, and letters of a text
+BITS = 10_000  # of a whole number
+
+
+def _power(a: Any, b: Any) -> Any:
+    if isinstance(a, int) and isinstance(b, int) and b > 0 and a.bit_length() * b > BITS:
+        raise InputError(f"a whole number of more than {BITS} bits")
+    return operator.pow(a, b)
+
+
+def _product(a: Any, b: Any) -> Any:
+    for x, n in ((a, b), (b, a)):
+        if isinstance(n, int) and isinstance(x, str | list | tuple) and len(x) * n > MOST:
+            raise InputError(f"a list or text of more than {MOST} entries")
+    return operator.mul(a, b)
+
+
+def _range(*args: int) -> range:
+    r = range(*args)
+    n = max(0, -((r.start - r.stop) // r.step))  # len() knows no more than a machine's word
+    if n > MOST:
+        raise InputError(f"a range of more than {MOST} numbers")
+    return r
+
+
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow, ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod,
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: _product, ast.Div: operator.truediv,
+    ast.Pow: _power, ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod,
 }
 _UNARY: dict[type, Callable[[Any], Any]] = {
     ast.USub: operator.neg, ast.UAdd: operator.pos, ast.Not: operator.not_,
@@ -40,7 +65,7 @@ def must_points(times: list[float], longest: float, early: float = math.inf,
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": math.sqrt, "exp": math.exp, "log": math.log, "abs": abs, "min": min, "max": max, "round": round,
-    "len": len, "range": range, "must_points": must_points,
+    "len": len, "range": _range, "must_points": must_points,
 }
 
 
@@ -50,12 +75,16 @@ def evaluate(text: str, names: Mapping[str, Any], where: Where | None = None) ->
     >>> evaluate("2*n + 1 if case in ('A', 'B') else 0", {"n": 3, "case": "A"})
     7
     """
+    shown = text if len(text) <= 200 else text[:197] + "..."
     try:
-        return _value(ast.parse(text.strip(), mode="eval").body, names)
+        value = _value(ast.parse(text.strip(), mode="eval").body, names)
+        if isinstance(value, complex) or (isinstance(value, float) and not math.isfinite(value)):
+            raise InputError(f"its value is {value}, no finite number")
+        return value
     except InputError as e:
-        raise InputError(f"in the expression '{text}': {e.message}", where) from None
-    except (SyntaxError, TypeError, ValueError, ZeroDivisionError, IndexError, KeyError, OverflowError) as e:
-        raise InputError(f"the expression '{text}' cannot be evaluated: {e}", where) from None
+        raise InputError(f"in the expression '{shown}': {e.message}", where) from None
+    except (ArithmeticError, LookupError, MemoryError, RecursionError, SyntaxError, TypeError, ValueError) as e:
+        raise InputError(f"the expression '{shown}' cannot be evaluated: {e or type(e).__name__}", where) from None
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:

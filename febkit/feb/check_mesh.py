@@ -62,8 +62,30 @@ def jacobians(block: ElementBlock, X: Floats) -> Floats | None:
     return out
 
 
+def indices(model: Model) -> Iterator[Finding]:
+    """Nodes that there are not, and positions that are no numbers: of a model made in memory; reading refuses them."""
+    mesh, n = model.mesh, len(model.mesh.X)
+    if len(mesh.node_ids) != n or not np.isfinite(mesh.X).all():
+        yield Finding("error", "nodes must have an id and a finite position each", Where(model.file))
+    named: list[tuple[str, Ints, Where]] = [(f'part "{b.name}"', b.conn, b.where) for b in mesh.blocks]
+    named += [(f'node set "{s.name}"', s.nodes, s.where) for s in mesh.node_sets.values()]
+    named += [(f'surface "{s.name}"', c, s.where) for s in mesh.surfaces.values() for c in s.facets.values()]
+    named += [(f'edge "{e.name}"', e.lines, e.where) for e in mesh.edges.values()]
+    named += [(f'discrete set "{d.name}"', d.pairs, d.where) for d in mesh.discrete_sets.values()]
+    for name, nodes, where in named:
+        if np.size(nodes) and (np.min(nodes) < 0 or np.max(nodes) >= n):
+            bad = int(np.min(nodes)) if np.min(nodes) < 0 else int(np.max(nodes))
+            yield Finding("error", f"{name} refers to node index {bad}; the mesh has {n} nodes, from 0", where)
+    for b in mesh.blocks:
+        if len(b.ids) != len(b.conn) or b.conn.ndim != 2:
+            yield Finding("error", f'part "{b.name}" has {len(b.ids)} ids for {len(b.conn)} elements', b.where)
+
+
 def check(model: Model) -> Iterator[Finding]:
     mesh = model.mesh
+    for b in mesh.blocks:
+        if not len(b.conn):
+            yield Finding("warning", f'part "{b.name}" has no elements', b.where)
     for b in mesh.blocks:
         det = jacobians(b, mesh.X)
         if det is None:

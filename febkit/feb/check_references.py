@@ -125,17 +125,6 @@ def stage(model: Model, step: Step, known: Names) -> Iterator[Finding]:
             yield from below(known, c)
     if step.control is not None:
         yield from below(known, step.control)
-        for name in ("time_steps", "step_size"):
-            p = step.control.child(name)
-            if p is not None and _number(p.text) <= 0 and p.text.strip() not in ("-1", ""):
-                yield Finding("error", f"<{name}> must be more than 0, not {p.text}", p.where)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
 
 
 def references(model: Model, c: Component) -> Iterator[Finding]:

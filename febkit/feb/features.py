@@ -732,7 +732,7 @@ linear_constraint: node
 local: local
 log-nonlinear:
 map: map
-mass-action-forward: Vbar override_vbar vP vR
+mass-action-forward: Vbar forward_rate override_vbar vP vR
 mass-action-forward-effective: Vbar forward_rate override_vbar vP vR
 mass-action-reversible: Vbar forward_rate override_vbar reverse_rate vP vR
 mass-action-reversible-effective: Vbar forward_rate override_vbar reverse_rate vP vR
@@ -741,7 +741,7 @@ max_variable: dof
 membrane constant reaction rate: k
 membrane ion channel reaction rate: g sbm sol
 membrane voltage-gated reaction rate: a b c d sol
-membrane-mass-action-forward: Vbar override_vbar vP vPe vPi vR vRe vRi
+membrane-mass-action-forward: Vbar forward_rate override_vbar vP vPe vPi vR vRe vRi
 membrane-mass-action-reversible: Vbar forward_rate override_vbar reverse_rate vP vPe vPi vR vRe vRi
 min-max filter: clamp data max min
 mkl_dss: msglvl

@@ -21,7 +21,7 @@ def read(path: str | PathLike[str]) -> Model:
     """
     p = Path(path)
     try:
-        data = p.read_bytes()
+        data = include.contents(p)
     except OSError as e:
         raise InputError(f"cannot open the file: {e.strerror}", Where(str(p))) from None
     return read_bytes(data, str(p))

@@ -11,7 +11,7 @@ from febkit.model import InputError, Model, Where
 from febkit.model.source import together
 from febkit.units import SYSTEMS
 
-from . import check_features, check_mesh, check_references
+from . import check_features, check_mesh, check_ranges, check_references, check_steps
 from .document import Document
 from .findings import Finding
 from .read import read
@@ -38,15 +38,21 @@ def validate(path: str | PathLike[str], solvable: bool = False) -> list[Finding]
 
 def check(model: Model) -> list[Finding]:
     """The same for a model in memory, the solver not asked."""
-    return _sorted([*_document(model), *check_features.check(model), *check_references.check(model),
-                    *check_mesh.check(model), *_sense(model)])
+    broken = list(check_mesh.indices(model))
+    if broken:  # the other checks look up nodes
+        return _sorted(broken)
+    checks = (_document, check_features.check, check_references.check, check_ranges.check, check_steps.check,
+              check_mesh.check, _sense)
+    return _sorted([f for ask in checks for f in ask(model)])
 
 
-def require(model: Model) -> None:
-    """Raises InputError for what :func:`check` calls errors: what must not be solved."""
-    found = [InputError(f.message, f.where) for f in check(model) if f.severity == "error"]
-    if found:
-        raise together(found)
+def require(model: Model) -> list[str]:
+    """Raises InputError for what :func:`check` calls errors, what must not be solved; returns the warnings."""
+    found = check(model)
+    errors = [InputError(f.message, f.where) for f in found if f.severity == "error"]
+    if errors:
+        raise together(errors)
+    return [f"{f.where}: {f.message}" if str(f.where) else f.message for f in found if f.severity == "warning"]
 
 
 def _sorted(found: list[Finding]) -> list[Finding]:

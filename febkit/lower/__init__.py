@@ -61,10 +61,11 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
 
         ties.check(ctx, [(common, s) for s in steps])
     _midpoint(ctx, blocks, steps)
+    _end(ctx, steps)
     if not steps:
         raise InputError("the model has no <Control> and no <Step>: there is nothing to solve", Where(model.file))
     if not blocks and not bodies and not ctx.refused:
-        raise InputError("the model has no solid domain", Where(model.file))
+        raise InputError("the model has no elements to solve for", Where(model.file))
     if ctx.refused:
         return None, ctx.refused
     return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies, ctx.layout), []
@@ -82,6 +83,14 @@ def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
     for s, spec in zip(steps, ctx.model.steps):
         if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and three:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
+
+
+def _end(ctx: Context, steps: list[Step]) -> None:
+    """Plotfiles keep times in 32 bits; what they cannot hold is no time to solve to."""
+    end = sum(map(control.end_time, steps))
+    if not end <= control.LAST:
+        where = ctx.model.steps[-1].control.where if ctx.model.steps[-1].control else None
+        raise InputError(f"the model ends at t = {end:g}; plotfiles hold times up to {control.LAST:g}", where)
 
 
 def _whole_sections(ctx: Context) -> None:

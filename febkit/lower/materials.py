@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Component, Domain, InputError, Where, values
+from febkit.model import Component, Domain, InputError, Where, ranges, values
 from febkit.model.sets import missing
 from febkit.solver import permeabilities, physics, supplies
 from febkit.solver.problem import Block
@@ -23,7 +23,6 @@ OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_f
 # materials refused until a model of FEBio's suite agrees: in the one with cubic CLE a rotation is left free, which
 # rounding decides in FEBio (stresses agree to rounding, and so do displacements where the rotation is held)
 UNPROVEN = frozenset({"cubic CLE"})
-PRESSURE_MODELS = {"default": 0, "nike3d": 1, "abaqus": 2, "abaqus (goh)": 3, "0": 0, "1": 1, "2": 2, "3": 3}
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis", "print_derivs"})
 
@@ -49,6 +48,8 @@ def blocks(ctx: Context) -> list[Block]:
             raise missing("element block", d.block, ctx.blocks, d.where)
         if d.material not in named:
             raise missing("material", d.material, [n or "" for n in named], d.where)
+        if not len(ctx.blocks[d.block].conn):
+            continue
         if d.material in ctx.rigid:  # its nodes are led; its elements do nothing
             continue
         b = _block(ctx, d, named[d.material])
@@ -192,8 +193,8 @@ def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, p
                 f'<{spec.tag} type="{spec.type}"> needs a positive <{name}> in <Globals><Constants>', spec.where
             )
     for name in cls.parameters:
-        if name not in fields and name not in defaults:
-            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{registry.tag_name(name)}>', spec.where)
+        if name not in fields and not _has_default(spec, name, defaults):
+            raise InputError(f"{spec.what} lacks <{registry.tag_name(name)}>", spec.where)
     for name, prop in cls.properties.items():
         if name in fields:
             fields[name] = tuple(fields[name]) if prop.many else fields[name][-1]
@@ -201,6 +202,17 @@ def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, p
             fields[name] = _child(ctx, Component(name, prop.default, where=spec.where), prop, part)
         elif not prop.optional and not prop.many and prop.table != "direction":
             raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{name}>', spec.where)
+
+
+def _has_default(spec: Component, name: str, defaults: dict[str, Any]) -> bool:
+    """False for a parameter that must be given: its default, where there is one, is none that FEBio admits."""
+    if name not in defaults:
+        return False
+    if name == "phiw0" and spec.child("phis0") is not None:  # one is the other's complement
+        return True
+    r = ranges.of(spec.type or spec.tag).get(registry.tag_name(name))
+    v = defaults[name]
+    return r is None or all(r.holds(x) for x in (v if isinstance(v, tuple) else (v,)))
 
 
 def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, Any], spec: Component) -> None:
@@ -219,13 +231,17 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
     elif c.tag == "k" and getattr(cls, "uncoupled", False):
         fields["k"] = ctx.value(c, maps=part)
     elif c.tag == "pressure_model" and getattr(cls, "uncoupled", False):
-        fields["pressure_model"] = c.as_choice(PRESSURE_MODELS)
+        fields["pressure_model"] = _option(c)
     elif c.tag not in IGNORED:
         ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
 
 
-def _option(c: Component) -> Any:
-    return c.as_int() if values.spells_number(c.text) else c.text.strip()
+def _option(c: Component) -> int:
+    """A flag, a whole number, or the word that stands for one."""
+    words = ranges.WORDS.get(c.tag, ())
+    if words and not values.spells_number(c.text):
+        return c.as_choice({w: k for k, w in enumerate(words)})
+    return int(c.as_bool()) if c.text.strip().lower() in values.TRUE | values.FALSE else c.as_int()
 
 
 def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:

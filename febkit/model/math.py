@@ -46,7 +46,7 @@ def _factorial(n: float) -> float:
 
 def _falling(a: float, b: float) -> float:
     lo, hi, p = min(a, b), max(a, b), 1.0
-    while hi >= lo and p < math.inf:
+    while hi >= lo and 0 < abs(p) < math.inf:
         p *= hi
         hi -= 1.0
     return p
@@ -107,6 +107,7 @@ SCALAR: dict[str, Callable[[float], float]] = {
 SYMBOLIC = frozenset(("derive", "replace", "taylor", "integrate", "expand", "simplify", "solve", "collect",
                       "identity", "mdiag", "transpose", "trace", "det", "inverse"))
 
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
     r"|(?P<name>[A-Za-z_](?:[\w.]|\{[^{}]*\})*|\$\{[^{}]*\})"
@@ -133,26 +134,38 @@ class _Parser:
 
     def _substitute(self, text: str) -> str:
         """``name=text;`` definitions in front of the last statement are put in by text, in brackets."""
-        *definitions, out = text.split(";")
-        subs = {}
+        *definitions, last = text.split(";")
+        given: dict[str, str] = {}
         for d in definitions:
             name, sign, value = d.partition("=")
-            if not sign or not name or not value:
+            if not sign or not value or not _NAME.fullmatch(name):
                 raise self.error(f'"{d};" is no definition')
-            subs[name] = value
-        for _ in range(len(subs) + 1):
-            if not any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", out) for name in subs):
-                break
-            for name in sorted(subs):
-                put = f"({subs[name]})".replace("\\", r"\\")
-                out = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", put, out)
-                if len(out) > MAX_LENGTH:
+            given[name] = value
+        return self._expand(last, given, {}, 0) if given else last
+
+    def _expand(self, text: str, given: dict[str, str], done: dict[str, str], depth: int) -> str:
+        """The text with names put in; ``done``: definitions that are expanded already, together of bounded length."""
+        if depth > MAX_DEPTH:
+            raise self.error("its definitions refer to each other without end, or too deeply")
+
+        def put(m: re.Match[str]) -> str:
+            name = m.group()
+            if name not in given:
+                return name
+            if name not in done:
+                done[name] = f"({self._expand(given[name], given, done, depth + 1)})"
+                if sum(map(len, done.values())) > MAX_LENGTH:
                     raise self.error("too long")
-        else:
-            raise self.error("its definitions refer to each other without end")
-        if len(out) > MAX_LENGTH:
-            raise self.error("too long")
-        return out
+            return done[name]
+
+        out, at, length = [], 0, 0
+        for m in _NAME.finditer(text):
+            out += [text[at:m.start()], put(m)]
+            at = m.end()
+            length += len(out[-2]) + len(out[-1])
+            if length > MAX_LENGTH:
+                raise self.error("too long")
+        return "".join([*out, text[at:]])
 
     def _tokens(self) -> list[tuple[str, str]]:
         out, at = [], 0

@@ -1,5 +1,8 @@
 """Hostile inputs: bombs, external entities, includes that leave the model's folder."""
 
+import os
+import time
+
 import pytest
 
 from febkit.feb import read, read_bytes
@@ -48,6 +51,29 @@ def test_includes_that_go_round_are_refused(tmp_path):
     (tmp_path / "b.feb").write_text(SECTION.format("<Include>a.feb</Include>"))
     with pytest.raises(InputError, match="includes itself"):
         read(tmp_path / "a.feb")
+
+
+def test_a_bomb_of_includes_is_refused(tmp_path):
+    """26 small files that include the next one twice would be read 2^26 times."""
+    for k in range(26):
+        twice = f"<Include>d{k + 1}.feb</Include>" * 2 if k < 25 else ""
+        (tmp_path / f"d{k}.feb").write_text(SECTION.format(twice))
+    start = time.perf_counter()
+    with pytest.raises(InputError, match="more than 500 files"):
+        read(tmp_path / "d0.feb")
+    assert time.perf_counter() - start < 5.0
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_pipes_and_devices_are_not_read(tmp_path):
+    """A named pipe that nobody writes to, and /dev/zero, never end."""
+    os.mkfifo(tmp_path / "pipe.feb")
+    (tmp_path / "m.feb").write_text(SECTION.format("<Include>pipe.feb</Include>"))
+    for name in ("m.feb", "pipe.feb"):
+        with pytest.raises(InputError, match="no regular file"):
+            read(tmp_path / name)
+    with pytest.raises(InputError, match="no regular file"):
+        read("/dev/zero")
 
 
 def test_included_sections_are_read(tmp_path):

@@ -32,7 +32,7 @@ E2 = '<elem id="2">5,6,7,8,9,10,11,12</elem>'
     (E2, '<elem id="2">1,2,3,4,5,6,7,8</elem><elem id="3">1,2,3,4,5,6,7,8</elem>', "warning", "have the nodes of"),
     (E2, '<elem id="2">1,2,3,4,5,6,7,8</elem>', "warning", "4 nodes belong to no element, first node 9"),
     ('<load_controller id="2"', '<load_controller id="3"', "error", "count from 1 without gaps"),
-    ("<time_steps>10</time_steps>", "<time_steps>0</time_steps>", "error", "must be more than 0"),
+    ("<time_steps>10</time_steps>", "<time_steps>0</time_steps>", "error", "must be at least 1"),
     ("<time_steps>10</time_steps>", "<time_step>10</time_step>", "error", 'did you mean "time_steps"'),
     ("<Boundary>", "<Boundry/><Boundary>", "error", "<Boundry> is no section"),
     ('<e lid="1">', '<e lid="4">', "error", "lid=4 lies outside"),

@@ -1,6 +1,8 @@
 """Formulas: FEBio's grammar and functions, against numbers worked out by hand or by numpy."""
 
 import math
+import time
+import warnings
 
 import numpy as np
 import pytest
@@ -115,3 +117,27 @@ def test_any_text_gives_a_formula_or_an_input_error(text):
     except InputError:
         return
     f(np.array([0.5, 1.0]), 2.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize("n", [200, 3000])
+def test_chains_of_definitions_take_no_time(n):
+    """In reverse order each was put in by a pass over all of them."""
+    text = ";".join(f"v{k}=v{k - 1}" for k in range(n, 0, -1)) + f";v0=1;v{n}"
+    start = time.perf_counter()
+    with pytest.raises(InputError, match="too deeply"):
+        value(text)
+    assert time.perf_counter() - start < 2.0
+
+
+def test_definitions_in_any_order():
+    assert value("b=a+1;a=2;b*a") == value("a=2;b=a+1;b*a") == 6.0
+    with pytest.raises(InputError, match="too long"):
+        value(";".join(f"v{k}=v{k + 1}+v{k + 1}" for k in range(50)) + ";v50=1;v0")
+
+
+def test_a_binomial_of_large_negative_numbers_ends():
+    start = time.perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert abs(value("binomial(0.5-10^9,10^8)")) == math.inf
+    assert time.perf_counter() - start < 2.0

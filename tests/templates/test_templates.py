@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -324,3 +325,19 @@ def test_faulty_skeletons_are_refused(tmp_path: Path, xml: str, words: str) -> N
 def test_unknown_template() -> None:
     with pytest.raises(InputError, match="tissue, cell, embedded"):
         load("bone")
+
+
+@pytest.mark.parametrize(("text", "why"), [
+    ("9**9**9**9", "whole number of more than"), ("range(10**12)", "range of more than"),
+    ("[0]*10**9", "list or text of more than"), ("'a'*10**10", "list or text of more than"),
+    ("(-8)**0.5", "no finite number"), ("1e308*10", "no finite number"), ("-" * 5000 + "1", "cannot be evaluated"),
+    ("(" * 5000 + "1" + ")" * 5000, "cannot be evaluated"), ("10**400 + 0.5", "cannot be evaluated"),
+])  # fmt: skip
+def test_expressions_are_bounded(text: str, why: str) -> None:
+    """A template is a file that somebody else may have written: it takes no hours and no memory."""
+    start = time.perf_counter()
+    with pytest.raises(InputError, match=why) as e:
+        evaluate(text, {}, Where("template.feb", 3))
+    assert str(e.value).startswith("template.feb:3: ")
+    assert len(str(e.value)) < 500
+    assert time.perf_counter() - start < 2.0
