@@ -57,8 +57,9 @@ def printed_axes(moments: Floats) -> Floats:
 def printed_ratio(moments: Floats) -> Floats:
     """(...) L3/L1 as printed (eq 12), the root of the ratio of extreme inertias; NaN for one element."""
     L = printed_axes(moments)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(L[..., 2] / L[..., 0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.asarray(L[..., 2] / L[..., 0])
+    return np.where(np.isfinite(ratio), ratio, np.nan)
 
 
 def ellipsoid_axes(volume: Floats, moments: Floats) -> Floats:

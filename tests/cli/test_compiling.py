@@ -108,12 +108,11 @@ def test_numbas_pickles_damaged(tmp_path: Path) -> None:
     assert SAID in _run(tmp_path, native="0")[1]
     assert (tmp_path / "one.xplt").read_bytes() == result
     assert "compiling" not in "".join(_run(tmp_path, native="0"))
-    assert (tmp_path / "one.xplt").read_bytes() == result
 
 
 def test_no_writable_folder_is_said_once(tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file, where a folder should be")
-    out, err = _run(tmp_path)
+    out, err = _run(tmp_path, native="0")
     assert out.count("cannot be kept") == 1 and "FEBKIT_CACHE" in out
     assert "compiling the kernels" in err and "took" in out and "once on this" not in out + err
     assert (tmp_path / "one.log").read_text().count("cannot be kept") == 1
