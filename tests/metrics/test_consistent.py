@@ -32,7 +32,7 @@ def solve(folder: Path, name: str, *edits: tuple[str, str], **values):
     result = febkit.solve(model, folder / "m.xplt")
     assert result.converged, result.reason
     with open_results(folder / "m.xplt") as ds:
-        return model.record, ds.load()
+        return model, ds.load()
 
 
 def chondrocyte(folder: Path, *edits: tuple[str, str], step: float = 2.0, **more):
