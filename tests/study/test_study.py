@@ -178,8 +178,10 @@ def test_only_what_a_run_left_is_deleted(tmp_path, pretended):
     assert (tmp_path / "elsewhere" / left.name).is_dir()
 
 
-@pytest.mark.parametrize("left", ["", "one", "a b c d", "\x00\xff\n", f"{socket.gethostname()} 999999999", "other 1",
-                                  f"{socket.gethostname()} {os.getpid()}"])  # fmt: skip
+@pytest.mark.parametrize("left", [
+    "", "one", "a b c d", "\x00\xff\n", f"{socket.gethostname()} 999999999", "other 1",
+    f"{socket.gethostname()} {os.getpid()}",
+], ids=["empty", "a word", "words", "bytes", "a dead process", "another host", "a living process"])  # fmt: skip
 def test_what_a_lock_file_says_does_not_matter(tmp_path, pretended, left):
     """A run that was killed leaves its lock file, empty or with anything in it; the lock itself went with it."""
     p = plan_of(tmp_path)
