@@ -120,7 +120,7 @@ def _destinations(
     outputs: list[Named] = [(w, p, None) for w, p in (("plotfile", plotfile), ("log", logfile)) if p is not None]
     data: list[Path] = []
     if model.output.log:
-        from febkit.output.logdata import data_files
+        from febkit.model.data_files import data_files
 
         beside = Path(logfile or model.file or "febkit")
         data = data_files(model, beside.parent, beside.stem, anywhere)

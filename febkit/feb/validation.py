@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from os import PathLike, fspath
+from pathlib import Path
 
 import numpy as np
 
+from febkit.files import keep_apart
 from febkit.model import InputError, Model, Where
+from febkit.model.data_files import data_file
 from febkit.model.source import together
 from febkit.units import SYSTEMS
 
 from . import check_features, check_mesh, check_ranges, check_references, check_steps
 from .document import Document
 from .findings import Finding
-from .read import read
+from .read import read, sources
 
 ORDER = {"error": 0, "unsupported": 1, "warning": 2, "hint": 3}
 
@@ -42,7 +45,7 @@ def check(model: Model) -> list[Finding]:
     if broken:  # the other checks look up nodes
         return _sorted(broken)
     checks = (_document, check_features.check, check_references.check, check_ranges.check, check_steps.check,
-              check_mesh.check, _sense)
+              check_mesh.check, _sense, _data_files)
     return _sorted([f for ask in checks for f in ask(model)])
 
 
@@ -71,6 +74,21 @@ def _document(model: Model) -> Iterator[Finding]:
     if both and names.index("MeshData") < names.index("MeshDomains"):
         tag = root.children[names.index("MeshData")]
         yield Finding("error", "<MeshData> must come after <MeshDomains>", tag.where)
+
+
+def _data_files(model: Model) -> Iterator[Finding]:
+    """Files of <logfile> that a run beside the model would refuse; onto the model itself it always would."""
+    beside = Path(model.file)
+    for n, entry in enumerate(model.output.log if model.file else (), start=1):
+        try:
+            path = data_file(entry, n, beside.parent, beside.stem)
+        except InputError as e:
+            yield Finding("warning", e.message, e.where or Where(model.file))
+            continue
+        try:
+            keep_apart([("data file", path, entry.where)], [("model", s, None) for s in sources(model)])
+        except InputError as e:
+            yield Finding("error", e.message, e.where or Where(model.file))
 
 
 def _sense(model: Model) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.files import Output, real
+from febkit.files import Output
 from febkit.model import InputError, LogEntry, Model
 from febkit.solver.newton import Counts
 from febkit.solver.result import Result
@@ -81,27 +81,8 @@ def _principal(field: Callable[[fields.Group], Floats | None]) -> Callable[[fiel
 SOURCES = {"node_data": _nodal, "element_data": _elements}
 
 
-def data_files(model: Model, folder: Path, stem: str, anywhere: bool = False) -> list[Path]:
-    """The file of each record of <logfile>, named after the record where the model gives none.
-
-    They lie in ``folder`` or below it, wherever a model that came from elsewhere would like to write; any place
-    where ``anywhere``. Raises InputError for another place.
-    """
-    out = []
-    for n, entry in enumerate(model.output.log, start=1):
-        name = entry.file or f"{stem}_{entry.kind}_{n}.txt"
-        if "\0" in name:
-            raise InputError(f"<{entry.kind}> names no file", entry.where)
-        path = folder / name.replace("\\", "/")
-        if not anywhere and not real(path).is_relative_to(real(folder)):
-            raise InputError(f'file="{name}" lies outside the folder of the log ({real(folder)}): such files are '
-                             "written with --data-anywhere only", entry.where)  # fmt: skip
-        out.append(path)
-    return out
-
-
 class LogDataListener(Listener):
-    """Writes each <node_data> and <element_data> to its file of ``paths`` (:func:`data_files`).
+    """Writes each <node_data> and <element_data> to its file of ``paths`` (:mod:`febkit.model.data_files`).
 
     An earlier file stays until the first solved step is written, as an earlier plotfile does.
     """
