@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from xarray.core import indexing
 from febkit.model import InputError, Where
 
 from .dataset import FrameArray, flags, name_units, short_times
+from .xplt.source import Source
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
@@ -41,21 +42,23 @@ class Database:
     solids: np.ndarray  # (solid, 9): nodes and material, 1-based
     beams: np.ndarray  # (beam, 6)
     shells: np.ndarray  # (shell, 5)
-    records: list[np.ndarray]  # (state, words) of each file of the family
+    records: list[Records]  # of each file of the family
 
 
 def read(path: str | os.PathLike[str]) -> Database:
-    """Index a database; states stay in the mapped files."""
+    """Index a database; states stay in the files."""
     where = Where(str(path))
-    words, order = _words(Path(path), where)
+    source = Source(path, where)
+    words, order = _header(source, where)
     head = {k: int(words[i]) for k, i in _WORDS.items()}
     bad = [k for k, v in head.items() if not 0 <= v < _LIMIT] + [k for k in "TUVA" if head[k] > 1]
     if bad:
         raise InputError(f"not a database of FEBio 1: {bad[0]} is {head[bad[0]]}", where)
     sizes = (3 * head["nodes"], 9 * head["solids"], 6 * head["beams"], 5 * head["shells"])
-    if 64 + sum(sizes) > len(words):
+    if 4 * (64 + sum(sizes)) > len(source):
         raise InputError("the database ends within its mesh", where)
     ends = np.cumsum([64, *sizes])
+    words = np.frombuffer(source[0 : 4 * int(ends[-1])], order + "i4")
     X, solids, beams, shells = (words[a:b] for a, b in pairwise(ends))
     n = 1 + head["globals"] + head["nodes"] * (head["T"] + 3 * (head["U"] + head["V"] + head["A"]))
     n += sum(head[a] * head[b] for a, b in (("solids", "nv3d"), ("beams", "nv1d"), ("shells", "nv2d")))
@@ -67,39 +70,53 @@ def read(path: str | os.PathLike[str]) -> Database:
         solids.reshape(-1, 9).astype(np.int64),
         beams.reshape(-1, 6).astype(np.int64),
         shells.reshape(-1, 5).astype(np.int64),
-        _records(Path(path), words[ends[-1] :].view(order + "f4"), n, order),
+        _records(Path(path), source, 4 * int(ends[-1]), n, order),
     )
 
 
-def _words(path: Path, where: Where) -> tuple[np.ndarray, str]:
-    try:
-        raw: np.ndarray = np.memmap(path, np.uint8, "r")
-    except (OSError, ValueError) as e:
-        raise InputError(f"cannot read the file: {e}", where) from None
-    raw = raw[: len(raw) // 4 * 4]
-    for order in "<>":
-        words = raw.view(order + "i4")
-        if len(words) >= 64 and words[_WORDS["ndim"]] in (3, 4) and words[_WORDS["icode"]] in (1, 6):
-            return words, order
+def _header(source: Source, where: Where) -> tuple[np.ndarray, str]:
+    """The first 64 words and the byte order."""
+    if len(source) >= 256:
+        raw = source[0:256]
+        for order in "<>":
+            words = np.frombuffer(raw, order + "i4")
+            if words[_WORDS["ndim"]] in (3, 4) and words[_WORDS["icode"]] in (1, 6):
+                return words, order
     raise InputError("not an LS-DYNA state database: its header names no known code", where)
 
 
-def _records(path: Path, first: np.ndarray, n: int, order: str) -> list[np.ndarray]:
-    out = []
-    values: np.ndarray = first
-    number = 0
+@dataclass(frozen=True, slots=True)
+class Records:
+    """(state, words) of one file, read when asked for."""
+
+    source: Source
+    start: int  # byte
+    words: int  # of each
+    count: int
+    order: str
+
+    def first(self) -> np.ndarray:
+        """The first word of each: its time."""
+        raw = self.source.rows(self.start, 4 * self.words, self.count, 4)
+        return raw.view(self.order + "f4").reshape(-1)
+
+    def __getitem__(self, t: int) -> np.ndarray:
+        self.source.look()
+        at = self.start + 4 * self.words * t
+        return np.frombuffer(self.source[at : at + 4 * self.words], self.order + "f4")
+
+
+def _records(path: Path, source: Source, start: int, n: int, order: str) -> list[Records]:
+    out: list[Records] = []
     while True:
-        rows = values[: len(values) // n * n].reshape(-1, n)
-        last = np.flatnonzero(rows[:, 0] == _END)
-        out.append(rows[: last[0]] if len(last) else rows)
-        number += 1
-        follow = path.with_name(f"{path.name}{number:02d}")
+        here = Records(source, start, n, max(len(source) - start, 0) // (4 * n), order)
+        last = np.flatnonzero(here.first() == _END)
+        out.append(replace(here, count=int(last[0])) if len(last) else here)
+        source.remember(start + 4 * n * out[-1].count)
+        follow = path.with_name(f"{path.name}{len(out):02d}")
         if len(last) or not follow.is_file():
             return out
-        size = follow.stat().st_size // 4
-        values = np.empty(0, np.float32)
-        if size:
-            values = np.memmap(follow, order + "f4", "r", shape=(size,))
+        source, start = Source(follow, Where(str(follow))), 0
 
 
 Part = tuple[Any, int, int, int, Any]  # rows of the array, first word, rows, words a row, which of them
@@ -117,7 +134,7 @@ class Slot:
         out.fill(np.nan)
         for place, at, rows, width, pick in self.parts:
             out[place] = record[at : at + rows * width].reshape(rows, width)[:, pick]
-        if self.shape == self.db.X.shape and self.parts[0][4] is _POSITION:
+        if self.shape == self.db.X.shape and self.parts[0][4] == _POSITION:
             out -= self.db.X
 
     def frame(self, t: int) -> np.ndarray:
@@ -131,9 +148,9 @@ _POSITION = slice(None, 3)  # the database holds positions: displacements are wh
 
 def _record(db: Database, t: int) -> np.ndarray:
     for rows in db.records:
-        if t < len(rows):
-            return np.asarray(rows[t])
-        t -= len(rows)
+        if t < rows.count:
+            return rows[t]
+        t -= rows.count
     raise IndexError(t)
 
 
@@ -146,7 +163,7 @@ def open_plt(path: str | os.PathLike[str], slots: Mapping[str, str] | None = Non
     """
     db = read(path)
     coords, attrs = _mesh(db, Where(str(path)))
-    times = np.concatenate([r[:, 0] for r in db.records]) if db.records else np.empty(0)
+    times = np.concatenate([r.first() for r in db.records]) if db.records else np.empty(0)
     coords["time"] = xr.Variable(("time",), short_times(times))
     data: dict[Hashable, xr.Variable] = {}
     for name, (dims, slot, kind) in _slots(db).items():

@@ -104,7 +104,7 @@ def test_to_a_plotfile(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("raw", "message"),
     [
-        (b"", "cannot read"),
+        (b"", "not an LS-DYNA state database"),
         (bytes(400), "not an LS-DYNA state database"),
         (database()[0][:300], "ends within its mesh"),
         (header("<", nodes=-5), "nodes is -5"),
@@ -133,3 +133,20 @@ def test_mutated_databases(tmp_path: Path) -> None:
         except InputError:
             seen["error"] += 1
     assert min(seen.values()) > 10
+
+
+def test_a_database_rewritten_while_it_is_open(tmp_path: Path) -> None:
+    import pickle
+
+    mesh, records = database()
+    path = tmp_path / "a.plt"
+    path.write_bytes(mesh + b"".join(records))
+    ds = results.open(path)
+    sent = pickle.loads(pickle.dumps(ds["displacement"].variable._data))
+    assert (np.asarray(sent) == ds["displacement"].values).all()
+    path.write_bytes(mesh + b"".join(reversed(records)))
+    with pytest.raises(InputError, match="written anew"):
+        _ = ds["displacement"].values
+    path.write_bytes(mesh)
+    with pytest.raises(InputError, match="shorter"):
+        _ = ds["displacement"].values

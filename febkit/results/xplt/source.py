@@ -8,6 +8,7 @@ import threading
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,9 @@ class Source:
             raise InputError("cannot read the file: it is no regular file", where)
         self._id = (s.st_dev, s.st_ino)
         self._seen = (s.st_size, s.st_mtime_ns)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return again, (self._path, self._where, self._marks, self._end)
 
     def __len__(self) -> int:
         """Bytes when it was last looked at."""
@@ -156,3 +160,15 @@ class Source:
     def __del__(self) -> None:
         with suppress(OSError, AttributeError):
             self.close()
+
+
+def again(path: str, where: Where, marks: Marks, end: int) -> Source:
+    """The file that another process has open; refused where another one has taken its place."""
+    source = Source(path, where)
+    try:
+        source.check(marks)
+        source.remember(end)
+    except InputError:
+        source.close()
+        raise
+    return source
