@@ -26,14 +26,16 @@ class MassDamping(BodyLoad):
     def __post_init__(self) -> None:
         self.C = as_value(self.C)
 
-    def _number(self, t: float) -> float:
-        return float(self.C(t, np.zeros((1, 3)))[0])  # type: ignore[operator]
+    def _rate(self, state: State, group: Group) -> Floats:
+        """C at the points of a group (1|n,)."""
+        pts = group.points()
+        return np.asarray(self.C(state.time, pts.X, pts.e))  # type: ignore[operator]
 
     def acceleration(self, state: State, group: Group) -> Floats:
-        return -self._number(state.time) * self.velocities(state, group)
+        return -self._rate(state, group)[:, None] * self.velocities(state, group)
 
     def gradient(self, state: State, group: Group, rate: float) -> Floats:
-        return -self._number(state.time) * rate * np.eye(3)[None]
+        return -rate * self._rate(state, group)[:, None, None] * np.eye(3)
 
 
 register(MassDamping, "mass damping")

@@ -114,17 +114,22 @@ class MathCurve(FlowCurve):
     parameters = ("e0", "emax")
     options = ("nf",)
     properties = {"plastic_response": Property("formula")}
-    _found: Any = field(default=None, init=False, repr=False)  # strains (e0, emax) and the families between them
+    _found: Any = field(default=None, init=False, repr=False)  # pairs of strains and the families between them
 
     @property
     def size(self) -> int:
         return int(self.nf)
 
     def families(self, pts: Points) -> tuple[Floats, Floats]:
-        a, b = (float(as_value(v)(pts.t, pts.X, pts.e)[0]) for v in (self.e0, self.emax))
-        if self._found is None or self._found[0] != (a, b):
-            self._found = (a, b), self._between(a, b)
-        return self._found[1]  # type: ignore[no-any-return]
+        e0, emax = np.broadcast_arrays(*(as_value(v)(pts.t, pts.X, pts.e) for v in (self.e0, self.emax)))
+        ends, which = np.unique(np.stack([e0, emax], axis=1), axis=0, return_inverse=True)
+        key = ends.tobytes()
+        if self._found is None or self._found[0] != key:
+            Ky, w = zip(*(self._between(float(a), float(b)) for a, b in ends))
+            self._found = key, np.concatenate(Ky), np.concatenate(w)
+        _, strains, fractions = self._found
+        which = which.reshape(-1)
+        return strains[which], fractions[which]
 
     def _between(self, a: float, b: float) -> tuple[Floats, Floats]:
         Y: Any = self.plastic_response

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
+
 import numpy as np
 
-from febkit.solver.solids.registry import load
+from febkit.solver.solids.registry import load, tables
+from febkit.solver.values import Constant, Map, as_value
 
 
 def direction(pts):
@@ -240,6 +243,68 @@ COMPOSITE = {
 }
 
 
+_TIMES = dict(tau=0.5, tau0=0.4, tau1=0.2, tau2=0.9, t1=0.4, t2=0.8, g1=0.4, g2=0.3, lambda_=0.6, n=0.7, beta=1.4,
+              beta0=1.2, beta1=0.3, alpha=0.6, t1c0=0.2, t1c1=0.1, t1s0=0.8, t2c0=0.9, t2c1=0.2, t2s0=0.7)
+_WITH = {
+    "circular": {}, "spherical": {}, "ellipsoidal": dict(spa=(1.0, 2.0, 3.0)), "elliptical": dict(spa1=1.0, spa2=2.0),
+    "structure-tensor": dict(spd=(1.0, 2.0, 1.5, 0.1, 0.2, 0.05)), "von-Mises-2d": dict(b=2.0),
+    "von-Mises-3d": dict(b=2.0), "von-Mises-3d-two-axisym": dict(b=2.0, cosg=0.8),
+    "CDF Simo": dict(a=0.3, b=0.2), "CDF Weibull": dict(alpha=2.0, mu=0.5), "CDF gamma": dict(alpha=2.0, mu=0.4),
+    "CDF log-normal": dict(mu=0.5, sigma=0.8), "CDF quintic": dict(mumin=0.01, mumax=2.0), "CDF step": dict(mu=0.05),
+    "CDF user": dict(cdf_=lambda x: 1.0 - np.exp(-x)),
+    "DC Deshpande-Fleck": dict(beta=0.4), "DC Drucker shear stress": dict(c=0.3), "DC Drucker-Prager": dict(b=0.2),
+    "PFC math": dict(nf=4, e0=0.02, emax=0.3, plastic_response=lambda e: 0.1 * e**0.3),
+    "PFC paper": dict(Y0=0.05, Ymax=0.15, w0=0.4, we=0.1, nf=5, r=0.9), "PFC user": dict(plastic_response=Response()),
+    "general growth": dict(iso=1.2, ani=1.1, fiber=direction),
+    "in-situ stretch": dict(stretch=1.1), "prestrain gradient": dict(F0=np.diag([1.1, 0.95, 1.0]).ravel()),
+}  # fmt: skip
+
+
+def _part(table, name):
+    """A record of a table below the solids', with numbers that matter."""
+    cls = load(table, name)
+    if table == "relaxation":
+        user = "user" in name
+        curves = dict(tau=curve, tau1=curve, tau2=lambda x: 1.5 + x, beta=lambda x: 1.2 + x)
+        given = curves if user else _TIMES
+        return cls(**{f.name: given[f.name] for f in fields(cls) if f.init and f.name in given})
+    if table == "growth" and name not in _WITH:
+        return cls(multiplier=1.3, fiber=direction)
+    if table == "active":
+        return cls(ascl=1.0, Tmax=0.4, ca0=4.3, camax=4.3, beta=4.7, l0=1.5, refl=2.0)
+    return cls(**_WITH.get(name, {}))
+
+
+def nested():
+    """Solids with each record of the tables below them, by "table: name"."""
+    out = {}
+    for table, make in {
+        "relaxation": lambda p: solid("reactive viscoelastic", elastic=neo_hookean(), bond=neo_hookean(), relaxation=p),
+        "cdf": lambda p: solid("elastic damage", elastic=neo_hookean(), damage=p, criterion=of("criterion", "DC Simo")),
+        "criterion": lambda p: solid("elastic damage", elastic=neo_hookean(), damage=_cdf(), criterion=p),
+        "flow_curve": lambda p: solid(
+            "reactive plasticity", elastic=neo_hookean(), yield_criterion=of("criterion", "DC von Mises stress"),
+            flow_curve=p,
+        ),
+        "growth": lambda p: solid("kinematic growth", elastic=neo_hookean(), growth=p),
+        "prestrain": lambda p: solid(
+            "prestrain elastic", prestrain=p,
+            elastic=solid("fiber-exp-linear", c3=1.0, c4=4.0, c5=2.0, lambda_=1.5, fiber=direction),
+        ),
+        "distribution": lambda p: solid(
+            "continuous fiber distribution", fibers=of("fiber", "fiber-exp-pow", alpha=0.5, beta=3.0, ksi=2.0),
+            distribution=p, scheme=of("scheme", "fibers-3d-geodesic", resolution=0),
+        ),
+        "active": lambda p: solid(
+            "trans iso Mooney-Rivlin", c1=1.0, c2=0.3, k=5.0, **_EXP, lam_max=1.05, fiber=direction,
+            active_contraction=p,
+        ),
+    }.items():  # fmt: skip
+        for name in tables()[table]:
+            out[f"{table}: {name}"] = (lambda m, t, n: lambda: m(_part(t, n)))(make, table, name)
+    return out
+
+
 def solid_generation(start):
     return of("generation", "generation", start_time=start, solid=neo_hookean())
 
@@ -310,3 +375,55 @@ STRESSED_AT_REST = {
     "hyperelastic",
     *(k for k in SIMPLE if "contraction" in k),
 }
+
+
+def varied(record, n, only=None, seed=7):
+    """Turn each number of ``record`` and below into one for each of ``n`` points, a few per cent apart.
+
+    Returns the names of those that are not zero; ``only`` turns the one of this name alone.
+    """
+    rng, names = np.random.default_rng(seed), []
+
+    def turned(name, v):
+        v = as_value(v) if name.endswith("density_") else v
+        if isinstance(v, Constant):
+            data = v.number * (1.0 + 0.04 * rng.uniform(-1, 1, n))
+            if v.number:
+                names.append(name)
+            return Map(data) if only in (None, name) else v
+        if isinstance(v, (tuple, list)):
+            return type(v)(turned(f"{name}[{k}]", x) for k, x in enumerate(v))
+        if is_dataclass(v) and not isinstance(v, (type, Map)):
+            walk(v, f"{name}.")
+        return v
+
+    def walk(r, prefix):
+        for f in fields(r):
+            setattr(r, f.name, turned(prefix + f.name, getattr(r, f.name)))
+        _made_again(r)
+
+    walk(record, "")
+    return names
+
+
+def _made_again(record):
+    """Have a record that makes others of its numbers make them of the present ones."""
+    if hasattr(record, "__post_init__"):
+        record.__post_init__()
+
+
+def alone(record, k):
+    """A varied record as the point ``k`` has it: numbers again."""
+
+    def turned(v):
+        if isinstance(v, Map):
+            return Constant(float(v.data[k]))
+        if isinstance(v, (tuple, list)):
+            return type(v)(turned(x) for x in v)
+        if is_dataclass(v) and not isinstance(v, (type, Constant)):
+            for f in fields(v):
+                setattr(v, f.name, turned(getattr(v, f.name)))
+            _made_again(v)
+        return v
+
+    return turned(record)

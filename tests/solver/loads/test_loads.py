@@ -258,7 +258,7 @@ BODY = {
     "centrifugal": {
         "angular_speed": 1.3, "rotation_axis": (0.0, 0.6, 0.8), "rotation_center": (0.1, 0.0, 0.0),
     },
-    "mass damping": {"C": 0.7},
+    "mass damping": {"C": VARYING},
     "moving frame": {"wx": 0.7, "wy": -0.4, "wz": 1.1, "ax": 0.3},
     "moving frame, of its own": {"wx": 0.7, "wy": -0.4, "wz": 1.1, "az": 0.3, "moving": True},
     "body force": {"given": (1.0, VARYING, -2.0)},
