@@ -101,9 +101,11 @@ class Pattern:
             self._take(g.columns)
         self._back: dict[int, NDArray[np.int32]] = {id(g): self._offsets(g) for g in groups}
         self._contended = schedule.contended(groups, nn)
+        shared = (self.given >= 0).any(axis=1)  # prescribed columns go to the right side, which no thread owns,
+        if ties is not None:
+            shared[ties.master // ties.columns] = True  # and what is condensed to the rows of masters
         for g in groups:
-            # prescribed columns go to the right side, which has no owner among the threads
-            self._contended[id(g)] |= (self.given[g.conn] >= 0).any(axis=(1, 2))
+            self._contended[id(g)] |= shared[g.conn].any(axis=1)
 
     def _take(self, columns: NDArray[np.int64]) -> None:
         """What scatters to these columns need."""

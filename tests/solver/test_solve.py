@@ -88,11 +88,6 @@ def test_linear_solvers_agree(linear: str, permeability: Any) -> None:
     np.testing.assert_allclose(solve(linear), solve("dense"), atol=1e-9)
 
 
-def test_threads_do_not_change_the_answer() -> None:
-    states = [run(squeezed(close(), 6, count=1), options=Options(n)).state.d for n in (1, 2)]
-    np.testing.assert_allclose(states[0], states[1], atol=1e-8)
-
-
 def test_singular_systems_are_said_to_be_singular() -> None:
     A = Matrix(np.array([0, 2, 3], np.int32), np.array([0, 1, 1], np.int32), np.array([1.0, 1.0, 1.0]), True)
     for name in ("dense", "superlu"):
