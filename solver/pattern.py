@@ -101,9 +101,10 @@ class Pattern:
             self._take(g.columns)
         self._back: dict[int, NDArray[np.int32]] = {id(g): self._offsets(g) for g in groups}
         self._contended = schedule.contended(groups, nn)
-        shared = (self.given >= 0).any(axis=1)  # prescribed columns go to the right side, which no thread owns,
+        # no thread owns the right side, to which prescribed columns go, nor the rows of masters
+        shared = np.asarray((self.given >= 0).any(axis=1))
         if ties is not None:
-            shared[ties.master // ties.columns] = True  # and what is condensed to the rows of masters
+            shared[ties.master // ties.columns] = True
         for g in groups:
             self._contended[id(g)] |= shared[g.conn].any(axis=1)
 

@@ -15,12 +15,14 @@ from febkit import units
 from febkit.model import InputError
 
 from .cells import METRICS
+from .ranks import spearman
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
 KEYS = ("rms", "range", "nrms", "bias", "lower", "upper", "outside", "n")
+FISHER = 6  # values from which on Fisher's z is of use
 MOMENTS = ("instantaneous", "steady", "peak")
 
 
@@ -182,12 +184,11 @@ def rank_correlation(
     instantaneous: float | None = None,
     metrics: Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Spearman's rho and its p-value between control and test over the cells (metric, moment).
+    """Spearman's rho and its p (:func:`.ranks.spearman`) between control and test over the cells (metric, moment).
 
     NaN where one of the two does not vary between cells, or there are fewer than three of them.
     """
     import xarray as xr
-    from scipy.stats import spearmanr
 
     a, b = align(control, test)
     names = _metrics(a, b, metrics)
@@ -195,9 +196,7 @@ def rank_correlation(
     rho, p = np.full((2, len(names), len(MOMENTS)), np.nan)
     for i, m in enumerate(names):
         for j in range(len(MOMENTS)):
-            x, y = va[m].values[j], vb[m].values[j]
-            if len(x) >= 3 and np.ptp(x) > 0 and np.ptp(y) > 0:
-                rho[i, j], p[i, j] = spearmanr(x, y)
+            rho[i, j], p[i, j] = spearman(va[m].values[j], vb[m].values[j])
     dims = ("metric", "moment")
     coords = {"metric": names, "moment": list(MOMENTS), "n": len(a["cell"])}
     return xr.Dataset({"rho": (dims, rho), "p": (dims, p)}, coords=coords)
@@ -206,17 +205,22 @@ def rank_correlation(
 def fisher_z(r1: Floats, r2: Floats, n1: int, n2: int) -> tuple[Floats, Floats]:
     """Fisher's z = (atanh r1 - atanh r2)/sqrt(1/(n1 - 3) + 1/(n2 - 3)) and its two-sided p-value.
 
-    Source: Fisher, "On the probable error of a coefficient of correlation", Metron 1 (1921). Correlations
-    of exactly +-1 have no finite transform: equal ones give z = 0, others z = +-inf.
+    Source: Fisher, "On the probable error of a coefficient of correlation", Metron 1 (1921). NaN from fewer than six
+    values, where z is far from normal (ranks of five: beyond its 5 % limit by chance in up to 24 % of cases). A rank
+    correlation of +-1 has no finite transform: it counts as the next one below, 1 - 12 / (n^3 - n).
     """
     from scipy.stats import norm
 
-    if min(n1, n2) <= 3:
+    if min(n1, n2) < FISHER:
         return np.full(np.shape(r1), np.nan), np.full(np.shape(r1), np.nan)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        z = (np.arctanh(r1) - np.arctanh(r2)) / np.sqrt(1 / (n1 - 3) + 1 / (n2 - 3))
-    z = np.where(np.equal(r1, r2), 0.0, z)
+    t1, t2 = (np.arctanh(np.clip(r, -_next(n), _next(n))) for r, n in ((r1, n1), (r2, n2)))
+    z = np.where(np.equal(r1, r2), 0.0, (t1 - t2) / np.sqrt(1 / (n1 - 3) + 1 / (n2 - 3)))
     return z, 2 * norm.sf(np.abs(z))
+
+
+def _next(n: int) -> float:
+    """The largest rank correlation of n values below 1: two neighbours swapped."""
+    return 1.0 - 12.0 / (n**3 - n)
 
 
 def compare_orders(
