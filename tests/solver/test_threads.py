@@ -14,7 +14,8 @@ from febkit.solver.kernels import pattern as kernels
 from febkit.solver.linear.base import Matrix
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
-from febkit.solver.problem import TRANSIENT, UX, UZ, Fixed, Mixture, P, Prescribed, Problem, Step
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Fixed, Prescribed, Problem, Step
 from febkit.solver.run import Listener, Options, Run, run
 from febkit.solver.schedule import LEAST, Schedule
 from febkit.solver.solids.neo_hookean import NeoHookean
@@ -23,6 +24,7 @@ from febkit.solver.system import System
 from febkit.solver.threads import Team
 from febkit.solver.ties import LinearConstraint, Ties
 from helpers import scenes
+from helpers.scenes import UX, UZ, P
 
 SIDE = 9  # elements along each edge: 729, enough for two threads
 
@@ -33,7 +35,7 @@ def problem(permeability: Any = None, solid: bool = False, tied: bool = False) -
     low, high = np.flatnonzero(X[:, 2] < 1e-9), np.flatnonzero(X[:, 2] > 1 - 1e-9)
     conditions: list[Any] = [Fixed(c, low) for c in range(UX, UZ + 1)] + [Fixed(c, high) for c in (0, 1)]
     conditions.append(Prescribed(UZ, high, scenes.ramp(-0.1, 1.0)))
-    mixture = None if solid else Mixture(permeability or ConstIso(0.1))
+    mixture = None if solid else Biphasic(permeability or ConstIso(0.1))
     step = Step(dt=0.5, count=2, newton=scenes.tight(dtol=1e-8, ptol=1e-8, min_residual=1e-28), conditions=conditions)
     if not solid:
         step.analysis = TRANSIENT
@@ -48,7 +50,7 @@ def problem(permeability: Any = None, solid: bool = False, tied: bool = False) -
 def assembled(p: Problem, threads: int, chunk: int = 64) -> tuple[System, np.ndarray, Any, np.ndarray]:
     """A system after a random motion: residual, tangent and the prescribed increments' share."""
     state, step = State.at_rest(p), p.steps[0]
-    groups = [Group(b, p.X, chunk) for b in p.blocks]
+    groups = [Group(b, p.X, chunk, state.layout) for b in p.blocks]
     s = System(p, step, groups, state, Schedule(groups, Team(threads)))
     state.time = state.dt = 0.5
     u = 0.01 * np.random.default_rng(3).normal(size=s.eqs.n)
