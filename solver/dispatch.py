@@ -24,7 +24,7 @@ from .native import name_of
 def dispatcher(fn: Callable[..., Any], options: dict[str, Any], folder: Path | None, source: str | None) -> Any:
     """numba's dispatcher of ``fn``. ``source`` identifies it in ``folder``; without both nothing is kept."""
     made = numba.njit(nogil=True, error_model="numpy", **options)(fn)
-    if folder is not None and source is not None and hasattr(made, "_cache"):  # not where NUMBA_DISABLE_JIT is set
+    if folder is not None and source is not None and made is not fn:  # not where NUMBA_DISABLE_JIT is set
         made._cache = _Kept(folder, fn.__name__, source)
     return made
 

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .values import Value
+
 if TYPE_CHECKING:
     from .group import Group
     from .points import Points
@@ -129,7 +131,7 @@ def _values(record: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
         name = f.name.removesuffix("_")
         v = getattr(record, f.name)
         for item in v if isinstance(v, (tuple, list)) else (v,):
-            if callable(item) and hasattr(item, "steady"):
+            if isinstance(item, Value):
                 yield prefix + name, item
             elif is_dataclass(item) and not isinstance(item, type):
                 yield from _values(item, f"{prefix}{name}.")

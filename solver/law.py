@@ -28,11 +28,13 @@ class PoreCollapse(ArithmeticError):
 class Law:
     """Subclasses are dataclasses whose fields are FEBio's tags.
 
-    ``parameters`` names numbers, ``vectors`` those that hold several numbers (tag -> how many).
+    ``parameters`` names numbers that may vary in time and space, ``vectors`` those that hold several numbers (tag ->
+    how many), ``options`` plain integers (flags and enumerations).
     """
 
     parameters: ClassVar[tuple[str, ...]] = ()
     vectors: ClassVar[dict[str, int]] = {}
+    options: ClassVar[tuple[str, ...]] = ()
     mat_axis: Any = field(default=None, kw_only=True)  # local axes: pts -> (1|n, 3, 3), columns
     _par: Floats | None = field(default=None, init=False, repr=False)
 
@@ -47,11 +49,10 @@ class Law:
                 setattr(self, name, as_value(v))
 
     @classmethod
-    def defaults(cls) -> dict[str, float | tuple[float, ...]]:
-        """Parameters with the numbers taken where the file gives none."""
-        by_name = {f.name: f.default for f in fields(cls)}
-        given: dict[str, Any] = {n: by_name[n] for n in cls.parameters if by_name[n] is not MISSING}
-        return given
+    def defaults(cls) -> dict[str, Any]:
+        """Parameters and options with the numbers taken where the file gives none."""
+        by_name: dict[str, Any] = {f.name: f.default for f in fields(cls)}
+        return {n: by_name[n] for n in cls.parameters + cls.options if by_name[n] is not MISSING}
 
     def _values(self) -> Sequence[Value]:
         out: list[Value] = []

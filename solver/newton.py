@@ -102,8 +102,7 @@ class Newton:
             self.weight = np.sqrt(system.bodies.counted(eqs))
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
-        self.augments = bool(system.augmented) or any(g.physics.augments for g in system.groups)
-        self.augments = self.augments or any(c.augments for c in system.contacts)
+        self.augments = any(g.physics.augments for g in system.groups) or any(a.augments for a in system.acting)
 
     # ---- pieces -----------------------------------------------------------------------------------
     def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -186,6 +185,13 @@ class Newton:
     def _move(self, u: Floats) -> None:
         with self.clock("stress update"):
             self.system.set(self.total, self.increment, u, self.target)
+
+    def snapshot(self) -> Floats:
+        """The unknowns at the last converged state."""
+        return self.total.copy()
+
+    def restore(self, saved: Floats) -> None:
+        self.total = saved.copy()
 
     def close(self) -> None:
         """Free all factorisations."""
@@ -377,8 +383,7 @@ class Newton:
     def augment(self) -> bool:
         k, system = self.count, self.system
         done = [g.physics.augment(k.augmentations) for g in system.groups]
-        done += [load.augment(k.augmentations) for load in system.augmented]
-        done += [c.augment(k.augmentations, system.state) for c in system.contacts]
+        done += [a.augment(k.augmentations, system.state) for a in system.acting]
         k.augmentations += 1
         system.progress.augmentations = k.augmentations
         k.reforms = 0

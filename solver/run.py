@@ -21,6 +21,7 @@ from .saving import wanted
 from .schedule import Schedule, chunk_size
 from .second_order import SecondOrder, refusal
 from .state import State
+from .step_state import StepState
 from .stepping import AutoSteps, ErrorSteps, FixedSteps, stepper
 from .system import System
 from .threads import Team
@@ -93,6 +94,7 @@ class Run:
         self.bodies: Bodies | None = None
         self.stepper: FixedSteps | None = None
         self.integrator: SecondOrder | None = None
+        self.count = 0  # time steps of the present analysis step
         self._saved_at = -1
 
     @property
@@ -149,8 +151,7 @@ class Run:
 
             self.bodies = Bodies(self.problem, self.state)
         self._initial(self.problem.common)
-        for contact in self.problem.common.contacts:
-            contact.activate(self.state, self.groups)
+        self._begin(self.problem.common)
         self.tell("start")
         if len(self.problem.steps) == 1:
             self._first_state()
@@ -167,6 +168,11 @@ class Run:
             self.bodies.start(s)
         for g in self.groups:
             g.physics.start(s)
+
+    def _begin(self, step: Step) -> None:
+        """What acts in a step begins to."""
+        for a in [*step.loads, *step.body_loads, *step.contacts]:
+            a.begin(self.state, self.groups)
 
     def _first_state(self) -> None:
         step = self.problem.steps[0]
@@ -193,11 +199,7 @@ class Run:
             return str(e)
         newton = Newton(self.system, make, lambda it: self.tell("iteration", it), self.clock, reuse)
         self.totals.linear_solver = newton.inverse.solver.name
-        for load in step.loads:
-            if hasattr(load, "begin"):
-                load.begin(s.reaction)
-        for contact in step.contacts:
-            contact.activate(s, self.groups)
+        self._begin(step)
         try:
             self.stepper = stepper(step, s.time, self.options.accuracy)
         except ValueError as e:
@@ -240,8 +242,7 @@ class Run:
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
-        acting = [*self.groups, *self.system.contacts]
-        saved = s.copy(), [a.snapshot() for a in acting], newton.total.copy()
+        before = StepState(s, [*self.groups, *self.system.acting, newton])
         if self.integrator is not None:
             self.integrator.begin()
         while True:
@@ -255,7 +256,7 @@ class Run:
             except (NotConverged, NotFinite, ElementFailure, LinearError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
-                self._restore(saved, newton)
+                before.restore()
                 if newton.stale:  # once more with tangents of its own, in all stages, before the step is cut
                     newton.force_reform, newton.leans = True, False
                     continue
@@ -268,7 +269,7 @@ class Run:
                 continue
             self._add(counts)
             if not good:
-                self._restore(saved, newton)
+                before.restore()
                 self.totals.retries += 1
                 again = None if step.vanishing else step.dt
                 self.tell("failed", "the step's error is too large", again)
@@ -334,22 +335,12 @@ class Run:
             s.velocity = s.velocity_old + s.dt * (
                 system.gamma * s.acceleration + (1 - system.gamma) * s.acceleration_old
             )
-        for load in [*system.loads, *system.body_loads]:
-            if hasattr(load, "begin_step"):
-                load.begin_step(s)
+        for a in system.acting:
+            a.begin_step(s)
         if self.bodies is not None:
             self.bodies.begin_step(s, system)
         for g in self.groups:
             g.begin_step(s)
-
-    def _restore(self, saved: tuple, newton: Newton) -> None:
-        old, parts, total = saved
-        assert self.system is not None
-        for name, value in vars(old.copy()).items():
-            setattr(self.state, name, value)
-        for a, q in zip([*self.groups, *self.system.contacts], parts):
-            a.restore(q)
-        newton.total = total.copy()
 
     def _add(self, c: Counts) -> None:
         t = self.totals
@@ -360,7 +351,7 @@ class Run:
     # ---- saving -----------------------------------------------------------------------------------
     def _save(self, event: str) -> None:
         must = self.stepper is not None and self.stepper.at_must_point
-        if wanted(self.step, event, getattr(self, "count", 0), must) and self._saved_at != self.totals.steps:
+        if wanted(self.step, event, self.count, must) and self._saved_at != self.totals.steps:
             self._hand_over(0 if event == "major" else 2)
 
     def _hand_over(self, status: int) -> None:

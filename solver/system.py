@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .action import Action
 from .fields import PRESSURE
 from .finite import whole
 from .group import Group
@@ -62,25 +63,27 @@ class System:
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
-        for load in self.loads:
-            if hasattr(load, "alpha"):
-                load.alpha = self.alphaf
+        for a in self.acting:
+            a.alpha = self.alphaf
         for b in self.body_loads:
             # velocities follow displacements by Newmark's rule, beside other fields by backward Euler, or not at all
-            mixed = float(len(self.layout.fields) > 1)
-            b.alpha, b.rate = self.alphaf, self.gamma / self.beta if self.dynamic else mixed
+            b.rate = self.gamma / self.beta if self.dynamic else float(len(self.layout.fields) > 1)
         for g in groups:
             g.alphaf = self.alphaf if g.shell else 1.0
         self._mass: Mass | None = None
 
+    @property
+    def acting(self) -> list[Action]:
+        """All that acts on the nodes beside the elements."""
+        return [*self.loads, *self.body_loads, *self.contacts]
+
     def _link(self) -> None:
-        """The connectors of the step are among its loads; those loads that are augmented."""
+        """The connectors of the step are among its loads."""
         c = self.bodies.connectors if self.bodies is not None else None
         active = [*self.problem.common.connectors, *self.step.connectors]
         if c is not None and active:
             c.take(active, self)
             self.loads.append(c)
-        self.augmented = [q for q in self.loads if hasattr(q, "augment")]
 
     def _tie(self) -> Ties | None:
         """Carried nodes of rigid bodies, and linear constraints."""
@@ -103,9 +106,8 @@ class System:
             own = np.zeros(len(active), bool)
             own[g.conn] = True
             active[np.ix_(own, g.columns)] = True
-        for load in self.loads:
-            if hasattr(load, "joins"):  # nodes of springs
-                active[load.joins[:, None], u] = True
+        for a in self.acting:
+            active[a.joins[:, None], u] = True
         if self.bodies is not None:
             active[len(self.problem.X) :, u] = True
         if self.ties is not None:
@@ -130,8 +132,7 @@ class System:
             return False  # rotational inertia is not
         if self.body_loads and any(g.physics.swells() for g in self.groups):
             return False
-        acting = [*self.loads, *self.body_loads, *self.contacts]
-        return own and all(getattr(q, "symmetric", True) for q in acting)
+        return own and all(a.symmetric for a in self.acting)
 
     def _integrator(self) -> tuple[float, float, float, float]:
         """Newmark / generalised-alpha parameters (FEBio user manual, rhoi, alpha, beta, gamma)."""
@@ -149,7 +150,7 @@ class System:
     @property
     def mixed(self) -> bool:
         """Are there several fields or penalties, so that pivots of very different size are sound?"""
-        return len(self.layout.fields) > 1 or bool(self.augmented or self.contacts)
+        return len(self.layout.fields) > 1 or any(a.augments for a in self.loads) or bool(self.contacts)
 
     @property
     def pattern(self) -> Pattern:

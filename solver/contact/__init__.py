@@ -5,8 +5,9 @@ What a contact is to the solver is said in :mod:`.base`.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
+
+from ..registry import Registry
 
 TYPES = {
     "tied-node-on-facet": "tied_node",
@@ -27,12 +28,8 @@ FILES = {
     "sliding-elastic with friction": "sliding_friction",
     "sliding-node-on-facet with friction": "node_friction",
 }
-_classes: dict[str, Any] = {}
-
-
-def register(cls: Any, *febio_types: str) -> None:
-    """Make a class known by FEBio's type names; the last line of a contact's file."""
-    _classes.update(dict.fromkeys(febio_types, cls))
+_all: Registry[Any] = Registry(__name__, FILES)
+register = _all.register
 
 
 def known(febio_type: str) -> bool:
@@ -41,6 +38,4 @@ def known(febio_type: str) -> bool:
 
 def load(febio_type: str, friction: bool = False) -> Any:
     """The class of a contact type, with friction where it is asked for; KeyError where there is none."""
-    name = FRICTION[febio_type] if friction else febio_type
-    import_module(f"{__name__}.{FILES[name]}")
-    return _classes[name]
+    return _all.load(FRICTION[febio_type] if friction else febio_type)

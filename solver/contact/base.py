@@ -1,22 +1,20 @@
-"""What a contact is: two surfaces that act on each other, and whose neighbours may change.
+"""What a contact is: two surfaces that act on each other, and whose neighbours may change (:mod:`..action`).
 
-A contact has ``activate(state, groups)``, called when it begins to act; ``update(state, progress)``, which projects the
-surfaces on each other at the present state; ``residual(state, R)``, which adds its forces; ``stiffness(state)``, as
-loads have it; ``cliques()``, the nodes that the present stiffness couples; ``augment(done)``, one augmentation of its
-multipliers, which says whether they have converged; ``snapshot()`` and ``restore(saved)``; ``symmetric`` and
-``augments``.
+Beside what all that acts has, a contact has ``update(state, progress)``, which projects the surfaces on each other at
+the present state; ``cliques()`` are the nodes that the present stiffness couples.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..action import Action, Matrices
 from ..kernels import closest, facets, ray
 from ..kernels import contact as kernels
 from ..problem import Progress
@@ -26,8 +24,6 @@ from .surface import Facets, Floats, Ints, Surface
 if TYPE_CHECKING:
     from ..group import Group
     from ..state import State
-
-Matrices = list[tuple[Floats, Ints, Ints]]
 
 
 class Side:
@@ -161,7 +157,7 @@ def matrices(state: State, nodes: Ints) -> tuple[Floats, Ints, Ints]:
 
 
 @dataclass(eq=False)
-class Contact:
+class Contact(Action):
     """A pair of surfaces; ``penalty`` may change with time. ``laugon``: multipliers are augmented."""
 
     primary: Facets
@@ -172,6 +168,7 @@ class Contact:
     minaug: int = 0
     maxaug: int = 10
     names: tuple[str, str] = ("", "")  # of the surfaces, for output
+    two_pass: bool = field(default=False, kw_only=True)  # both surfaces act as primary ones
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
     drains: ClassVar[bool] = False  # ``drained(state)`` says which nodes have no fluid pressure
@@ -181,30 +178,25 @@ class Contact:
         self.sides: list[Side] = []
 
     @property
-    def symmetric(self) -> bool:
-        return True
-
-    @property
     def augments(self) -> bool:
         return self.laugon
 
     @property
     def passes(self) -> list[Side]:
         """The sides that act as primary ones."""
-        two = getattr(self, "two_pass", False)
-        return self.sides if two else self.sides[:1]
+        return self.sides if self.two_pass else self.sides[:1]
 
     def scale(self, state: State) -> float:
         """The penalty at the present time."""
         return float(self.penalty(state.time, state.X[:1], np.zeros(1, np.int64))[0])
 
     def open(self, state: State) -> None:
-        """Set up the sides at the first call."""
-        if not self.sides:
-            a, b = Surface(self.primary, state.X), Surface(self.secondary, state.X)
-            self.sides = [self.side(a, b, self.nodal), self.side(b, a, self.nodal)]
+        """Set up the sides."""
+        a, b = Surface(self.primary, state.X), Surface(self.secondary, state.X)
+        self.sides = [self.side(a, b, self.nodal), self.side(b, a, self.nodal)]
 
-    def activate(self, state: State, groups: list[Group]) -> None:
+    def begin(self, state: State, groups: list[Group]) -> None:
+        """Open the sides and find the partners of their points."""
         raise NotImplementedError
 
     def update(self, state: State, progress: Progress) -> None:
@@ -213,11 +205,8 @@ class Contact:
     def residual(self, state: State, R: Floats) -> None:
         raise NotImplementedError
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         raise NotImplementedError
-
-    def augment(self, done: int, state: State) -> bool:
-        return True
 
     def pressure(self, s: Side, state: State) -> Floats:
         """Pressure at the points of a side (q,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -37,7 +37,6 @@ class FacetOnFacet(Contact):
     """
 
     auto_penalty: bool = False
-    two_pass: bool = False
     gaptol: float = 0.0
     knmult: float = 1.0
     search_tol: float = 0.01
@@ -51,8 +50,9 @@ class FacetOnFacet(Contact):
         super().__post_init__()
         self._first = True
 
-    def activate(self, state: State, groups: list[Group]) -> None:
+    def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
+        self._first = True
         for s in self.passes:
             if self.auto_penalty:
                 s.modulus = self.moduli(s, groups)
@@ -101,7 +101,7 @@ class FacetOnFacet(Contact):
             f = self.pressure(s, state) * s.reference_area
             s.spread(state, f[:, None] * s.partner_normals, R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
             assert isinstance(s, ClosestSide)

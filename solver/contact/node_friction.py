@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -66,8 +66,8 @@ class NodeFriction(NodeOnFacet):
                 s.reference_area, state.layout.u(R),
             )  # fmt: skip
 
-    def stiffness(self, state: State) -> Matrices:
-        out = super().stiffness(state)
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        out = super().stiffness(state, groups)
         for s in self.passes:
             assert isinstance(s, FrictionNodes)
             # FEBio tells who sticks without the penalty

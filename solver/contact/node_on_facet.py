@@ -14,6 +14,7 @@ from .penalty import automatic
 
 if TYPE_CHECKING:
     from ..group import Group
+    from ..state import State
 
 
 @dataclass(eq=False)
@@ -29,6 +30,10 @@ class NodeOnFacet(FacetOnFacet):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._gap = 0.0
+
+    def begin(self, state: State, groups: list[Group]) -> None:
+        self._gap = 0.0
+        super().begin(state, groups)
 
     def moduli(self, s: Side, groups: list[Group]) -> Floats:
         """Means over the facets around each node."""

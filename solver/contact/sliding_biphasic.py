@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -50,14 +50,13 @@ class SlidingBiphasic(SlidingElastic):
         super().__post_init__()
         self.knmult = 1  # FEBio has no other tangent here
 
-    def activate(self, state: State, groups: list[Group]) -> None:
-        self.open(state)
+    def prepare(self, groups: list[Group]) -> None:
+        super().prepare(groups)
         for s in self.sides:
             assert isinstance(s, SlidingFluid)
             s.wet = fluid.porous(s.surface, groups)
             if self.auto_penalty:
                 s.conductance = conductance(s.surface, groups)[s.facet]
-        super().activate(state, groups)
 
     def update(self, state: State, progress: Progress) -> None:
         super().update(state, progress)
@@ -83,7 +82,7 @@ class SlidingBiphasic(SlidingElastic):
         for s in self.passes:
             fluid.spread(state, s, state.dt * self.flows(s, state)[0] * s.detJ * s.surface.weight, R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         assert state.p is not None
         pressure = np.ascontiguousarray(state.p)

@@ -36,7 +36,6 @@ class SlidingElastic(Contact):
     """
 
     auto_penalty: bool = False
-    two_pass: bool = False
     gaptol: float = 0.0
     knmult: int = 0
     search_tol: float = 0.01
@@ -54,12 +53,16 @@ class SlidingElastic(Contact):
     def symmetric(self) -> bool:
         return False
 
-    def activate(self, state: State, groups: list[Group]) -> None:
+    def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
+        self.prepare(groups)
+        self.update(state, Progress())
+
+    def prepare(self, groups: list[Group]) -> None:
+        """Take from the elements behind the sides what does not change."""
         if self.auto_penalty:
             for s in self.sides:
                 s.modulus = automatic(s.surface, groups)[s.facet]
-        self.update(state, Progress())
 
     def _searches(self, progress: Progress) -> bool:
         """May points change their partners? Only in the first ``seg_up`` iterations after an augmentation."""
@@ -106,7 +109,7 @@ class SlidingElastic(Contact):
             f = -self.pressure(s, state) * s.detJ * s.surface.weight
             s.spread(state, f[:, None] * s.normals, R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
             assert isinstance(s, SlidingPoints)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -84,7 +84,7 @@ class SlidingFriction(SlidingElastic):
             self._tractions(s, state)
             s.spread(state, (s.detJ * s.surface.weight)[:, None] * s.t, R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
             assert isinstance(s, FrictionPoints)

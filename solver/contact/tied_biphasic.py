@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -47,8 +47,8 @@ class TiedBiphasic(TiedElastic):
     def symmetric(self) -> bool:
         return False
 
-    def activate(self, state: State, groups: list[Group]) -> None:
-        super().activate(state, groups)
+    def begin(self, state: State, groups: list[Group]) -> None:
+        super().begin(state, groups)
         wet: list[NDArray[np.bool_]] = [fluid.porous(s.surface, groups) for s in self.sides]
         for s, here, there in zip(self.sides, wet, reversed(wet), strict=True):
             assert isinstance(s, TiedFluid)
@@ -74,7 +74,7 @@ class TiedBiphasic(TiedElastic):
         for s in self.passes:
             fluid.spread(state, s, state.dt * self.flow(s)[0] * s.detJ * s.surface.weight, R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
             k, t = self.scale(state) * s.modulus * s.detJ * s.surface.weight, self.traction(s, state)

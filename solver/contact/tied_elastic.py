@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -35,7 +35,6 @@ class TiedElastic(Contact):
     """
 
     auto_penalty: bool = False
-    two_pass: bool = False
     gaptol: float = -1.0
     knmult: float = 1.0
     search_tol: float = 0.01
@@ -47,7 +46,7 @@ class TiedElastic(Contact):
     def symmetric(self) -> bool:
         return self.symmetric_stiffness
 
-    def activate(self, state: State, groups: list[Group]) -> None:
+    def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
         x = state.x
         for s in self.passes:
@@ -84,7 +83,7 @@ class TiedElastic(Contact):
             assert isinstance(s, TiedPoints)
             s.spread(state, (s.detJ * s.surface.weight)[:, None] * self.traction(s, state), R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
             assert isinstance(s, TiedPoints)

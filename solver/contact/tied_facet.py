@@ -23,8 +23,8 @@ class TiedFacet(TiedNode):
     gap_offset: bool = False
     nodal: ClassVar[bool] = False
 
-    def activate(self, state: State, groups: list[Group]) -> None:
-        super().activate(state, groups)
+    def begin(self, state: State, groups: list[Group]) -> None:
+        super().begin(state, groups)
         s = self.sides[0]
         assert isinstance(s, TiedSide)
         if self.gap_offset:

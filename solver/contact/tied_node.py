@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class TiedNode(Contact):
     nodal: ClassVar[bool] = True
     side: ClassVar[type[Side]] = TiedSide
 
-    def activate(self, state: State, groups: list[Group]) -> None:
+    def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
         s, x = self.sides[0], state.x
         points = s.positions(x)
@@ -82,7 +82,7 @@ class TiedNode(Contact):
         s = self.sides[0]
         s.spread(state, -s.reference_area[:, None] * self.traction(state), R)
 
-    def stiffness(self, state: State) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         s, out = self.sides[0], []
         k = self.scale(state) * s.reference_area
         for rows, a, b, nodes in s.pairs(s.partner >= 0):

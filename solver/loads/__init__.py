@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
+
+from ..registry import Registry
 
 TYPES = {
     # surface loads
@@ -31,19 +32,5 @@ TYPES = {
     "mass damping": "mass_damping",
     "moving frame": "moving_frame",
 }
-_classes: dict[str, Any] = {}
-
-
-def register(cls: Any, *febio_types: str) -> None:
-    """Make a class known by FEBio's type names; the last line of a load's file."""
-    _classes.update(dict.fromkeys(febio_types, cls))
-
-
-def known(febio_type: str) -> bool:
-    return febio_type in TYPES
-
-
-def load(febio_type: str) -> Any:
-    """The class of a load type; KeyError where there is none."""
-    import_module(f"{__name__}.{TYPES[febio_type]}")
-    return _classes[febio_type]
+_all: Registry[Any] = Registry(__name__, TYPES)
+register, known, load = _all.register, _all.known, _all.load

@@ -1,10 +1,4 @@
-"""What a load is: something that adds external forces to the nodes and may add to the tangent.
-
-A load has ``residual(state, R)``, which adds its forces to R (node, column); ``stiffness(state, groups)``,
-which gives minus the derivative of these as triples (K, nodes, columns): K (m, d, d), its row k being
-the unknown in column ``columns[k]`` of node ``nodes[:, k]``; ``cliques()``, the nodes (m, n) that these
-matrices couple; and ``symmetric``. A body load has ``residual(state, groups, R)`` instead.
-"""
+"""What a load on facets is: external forces at their nodes (:mod:`..action`)."""
 
 from __future__ import annotations
 
@@ -13,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import elements
+from ..action import Action, Floats, Ints, Matrices
 from ..elements.base import Element
 from ..fields import DISPLACEMENT
 from ..kernels.surface import add_vectors
@@ -24,11 +18,8 @@ from ..values import Value, as_value
 if TYPE_CHECKING:
     from ..state import State
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Number = Value | float
 Vector = Sequence[Number]  # three numbers, each a value
-Matrices = list[tuple[Floats, Ints, Ints]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +83,7 @@ def as_vector(v: Vector) -> tuple[Value, ...]:
 
 
 @dataclass(eq=False)
-class SurfaceLoad:
+class SurfaceLoad(Action):
     """A load on facets.
 
     ``shell_bottom`` says that the facets are the bottom faces of shells (their nodes those of
@@ -108,11 +99,6 @@ class SurfaceLoad:
         for name in self.parameters:
             v: Any = getattr(self, name)
             setattr(self, name, as_vector(v) if name in self.vectors else as_value(v))
-
-    @property
-    def symmetric(self) -> bool:
-        """True where the load's part of the tangent is symmetric, or absent."""
-        return True
 
     @property
     def tangent(self) -> bool:
@@ -145,7 +131,8 @@ class SurfaceLoad:
         return np.zeros((len(patch.conn), c * n, c * n)), np.tile(patch.conn, (1, c)), np.repeat(own, n)
 
     def residual(self, state: State, R: Floats) -> None:
+        """Add its forces to R."""
         raise NotImplementedError
 
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        return []
+
+__all__ = ["Floats", "Ints", "Matrices", "Number", "Patch", "SurfaceLoad", "Vector"]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ..action import Action
 from ..kernels import body as kernels
 from .base import Floats, Ints, Matrices
 
@@ -17,19 +18,17 @@ Group = Any  # febkit.solver.group.Group: one block of elements at work
 
 
 @dataclass(eq=False)
-class BodyLoad:
+class BodyLoad(Action):
     """R += int N rho a over the reference volume; rho follows the fluid content in biphasic blocks.
 
     FEBio gives body forces the opposite sign: its "force" f means a = -f. ``blocks`` names the blocks
     acted on, None all; ``elements`` block -> element indices, where not all of the block. The system of an analysis
-    step sets ``alpha`` and ``rate``.
+    step sets ``rate`` as well as ``alpha``.
     """
 
     blocks: tuple[str, ...] | None = field(default=None, kw_only=True)
     elements: dict[str, Ints] = field(default_factory=dict, kw_only=True)
-    alpha: float = field(default=1.0, init=False)  # weight of the step's end in positions and velocities
     rate: float = field(default=0.0, init=False)  # dt dv/du of the time integration
-    symmetric: ClassVar[bool] = True
     moves: ClassVar[bool] = False  # the acceleration depends on the motion
     drives: ClassVar[bool] = False  # it acts on the fluid of mixtures, too, by ``force(points)``
 
@@ -40,9 +39,6 @@ class BodyLoad:
     def gradient(self, state: State, group: Group, rate: float) -> Floats:
         """da/dx + ``rate`` da/dv (1|n, 3, 3)."""
         raise NotImplementedError
-
-    def cliques(self) -> list[Ints]:
-        return []
 
     def _acts(self, group: Group) -> bool:
         return self.blocks is None or group.block.name in self.blocks
@@ -56,12 +52,13 @@ class BodyLoad:
         return w * density, None if grows is None else w * grows * group.J
 
     def residual(self, state: State, groups: list[Group], R: Floats) -> None:
+        """Add its forces on the points of ``groups`` to R."""
         for g in groups:
             if self._acts(g):
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
                 kernels.force(g.conn, g.N, self._mass(g)[0], a, state.layout.u(R))
 
-    def stiffness(self, state: State, groups: list[Group]) -> Matrices:
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out: Matrices = []
         for g in groups:
             if not self._acts(g):

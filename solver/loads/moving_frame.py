@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -47,16 +47,22 @@ class MovingFrame(BodyLoad):
     az: Number = 0.0
     moving: bool = False
     moves: ClassVar[bool] = True
-    symmetric: ClassVar[bool] = False
     _before: _Frame | None = field(default=None, init=False, repr=False)
     _now: _Frame | None = field(default=None, init=False, repr=False)
 
+    @property
+    def symmetric(self) -> bool:
+        return False
+
+    def begin(self, state: State, groups: list[Group]) -> None:
+        self._before = self._now = None
+
     def begin_step(self, state: State) -> None:
-        """Turn the frame over the step, from where it was as the step began (again, where the step is tried again)."""
+        """Turn the frame over the step, from where it was as the step began."""
         start, zero = state.time - state.dt, np.zeros(3)
         if self._now is None or start <= 0.0:
             self._before = _Frame(start, np.array(rotation.IDENTITY), zero, zero, self._pushed(max(start, 0.0)))
-        elif abs(self._now.time - start) <= 1e-9 * abs(state.time):
+        else:
             self._before = self._now
         before, dt = self._before, state.dt
         assert before is not None
@@ -69,6 +75,12 @@ class MovingFrame(BodyLoad):
         if not self.moving:
             W, dW = turn @ W, turn @ dW
         self._W, self._dW, self._A = rotation.skew(W), rotation.skew(dW), turn @ A
+
+    def snapshot(self) -> Any:
+        return self._before, self._now
+
+    def restore(self, saved: Any) -> None:
+        self._before, self._now = saved
 
     def _turned(self, q: Floats, w: Floats, dt: float) -> Floats:
         """The orientation q turned with the angular velocity w for dt."""

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..action import Action
 from ..fields import PRESSURE
 from ..values import as_value
 from . import register
-from .base import Floats, Ints, Matrices, Number, Vector, as_vector, vector
+from .base import Floats, Ints, Number, Vector, as_vector, vector
 
 if TYPE_CHECKING:
     from ..fields import Layout
+    from ..group import Group
     from ..state import State
 
 
 @dataclass(eq=False)
-class NodalLoad:
+class NodalLoad(Action):
     """A load at nodes; ``X`` (n, 3) their reference positions. A value's map has one number per node.
 
     ``relative`` adds the load to the force that acted on the nodes as the load began.
@@ -27,7 +29,6 @@ class NodalLoad:
     nodes: Ints
     X: Floats
     relative: bool = field(default=False, kw_only=True)
-    symmetric: ClassVar[bool] = True
     _start: Floats | None = field(default=None, init=False, repr=False)
     _distinct: bool | None = field(default=None, init=False, repr=False)  # no node is listed twice
 
@@ -35,18 +36,15 @@ class NodalLoad:
         """Columns of the nodal arrays the load is in."""
         return layout.displacement
 
+    def begin(self, state: State, groups: list[Group]) -> None:
+        self._start = None
+
     def begin_step(self, state: State) -> None:
         """As the load begins, take the forces that hold the nodes: the internal force."""
         if self._start is None:
             held = np.zeros((len(self.nodes), state.layout.width))
             held[:, state.layout.displacement] = state.reaction[self.nodes]
             self._start = held[:, self.columns(state.layout)]
-
-    def cliques(self) -> list[Ints]:
-        return []
-
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        return []
 
     def values(self, state: State) -> Floats:
         """The load (1|n, columns)."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..action import Action
 from ..rigid import rotation
 from ..values import as_value
 from . import register
@@ -23,18 +24,11 @@ def _numbers(v: Vector, t: float) -> Floats:
 
 
 @dataclass(eq=False)
-class RigidLoad:
+class RigidLoad(Action):
     """``body``: index; ``row``: its first row. The force is row 0's, the moment row 1's."""
 
     body: int
     row: int
-    symmetric: ClassVar[bool] = True
-
-    def cliques(self) -> list[Ints]:
-        return []
-
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        return []
 
     def _turn(self, state: State) -> Floats:
         return rotation.matrix(state.extra["q"][self.body])
@@ -79,8 +73,10 @@ class RigidFollowerForce(RigidLoad):
 
     arm: Floats = field(default_factory=lambda: np.zeros(3))
     given: Vector = (0.0, 0.0, 0.0)
-    alpha: float = 1.0
-    symmetric: ClassVar[bool] = False
+
+    @property
+    def symmetric(self) -> bool:
+        return False
 
     def residual(self, state: State, R: Floats) -> None:
         Q = self._mean(state, self.alpha)
@@ -107,8 +103,10 @@ class RigidFollowerMoment(RigidLoad):
     """A moment that turns with the body."""
 
     given: Vector = (0.0, 0.0, 0.0)
-    alpha: float = 1.0
-    symmetric: ClassVar[bool] = False
+
+    @property
+    def symmetric(self) -> bool:
+        return False
 
     def residual(self, state: State, R: Floats) -> None:
         state.layout.u(R)[self.row + 1] += self._mean(state, self.alpha) @ _numbers(self.given, state.time)

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..action import Action
 from ..values import as_value
 from .base import Floats, Ints, Matrices, Number
 
@@ -30,12 +31,11 @@ def slope(f: Curve, x: Floats) -> Floats:
 
 
 @dataclass(eq=False)
-class Springs:
+class Springs(Action):
     """Springs ``nodes`` (m, 2) of one law; ``rest`` (m,) their lengths in the reference."""
 
     nodes: Ints
     rest: Floats
-    symmetric: ClassVar[bool] = True
 
     @property
     def joins(self) -> Ints:
@@ -123,7 +123,10 @@ class HillMuscles(Springs):
     Sv: Curve | None = None
     Ftl: Curve | None = None
     Fvl: Curve | None = None
-    symmetric: ClassVar[bool] = False
+
+    @property
+    def symmetric(self) -> bool:
+        return False
 
     def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
         fastest, ac, most, shape, longest = (
@@ -143,7 +146,7 @@ class HillMuscles(Springs):
 
 
 @dataclass(eq=False)
-class ConstraintSet:
+class ConstraintSet(Action):
     """Sums of coefficients x unknowns that must vanish, by penalty: f_i = -(lambda + eps c) a_i.
 
     Each row of ``nodes``, ``columns``, ``coefficients`` is a constraint, padded with node -1 and coefficient 0.
@@ -159,15 +162,12 @@ class ConstraintSet:
     minaug: int = 0
     maxaug: int = 50
     laugon: int = 1
-    symmetric: ClassVar[bool] = True
-    _state: State | None = field(default=None, init=False, repr=False)
 
     def cliques(self) -> list[Ints]:
         return [self.nodes]
 
     def _multipliers(self, state: State) -> Floats:
         """Kept with the state, for a step that fails."""
-        self._state = state
         return state.extra.setdefault(f"constraints {id(self)}", np.zeros(len(self.nodes)))
 
     def _sums(self, state: State) -> Floats:
@@ -185,12 +185,16 @@ class ConstraintSet:
             out.append((self.penalty * np.outer(a[on], a[on])[None], n[on][None], c[on]))
         return out
 
-    def augment(self, done: int) -> bool:
+    @property
+    def augments(self) -> bool:
+        return True
+
+    def augment(self, done: int, state: State) -> bool:
         """Renew the multipliers; True where their norm has settled."""
-        if self.laugon == 0 or self._state is None:
+        if self.laugon == 0:
             return True
-        old = self._multipliers(self._state)
-        new = old + self.penalty * (self._sums(self._state) - self.rhs)
+        old = self._multipliers(state)
+        new = old + self.penalty * (self._sums(state) - self.rhs)
         n0, n1 = float(np.linalg.norm(old)), float(np.linalg.norm(new))
         good = abs(n1 - n0) <= self.tolerance * (n1 or 1.0) or 0 <= self.maxaug <= done
         if good and done >= self.minaug:

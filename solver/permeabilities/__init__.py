@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
+from ..registry import Registry
 from .base import Permeability
 
 TYPES = {
@@ -14,19 +13,5 @@ TYPES = {
     "perm-ref-trans-iso": "ref_trans_iso",
     "perm-ref-ortho": "ref_ortho",
 }
-_classes: dict[str, type[Permeability]] = {}
-
-
-def register(cls: type[Permeability], febio_type: str) -> None:
-    """Make a class known by FEBio's type name; the last line of a permeability's file."""
-    _classes[febio_type] = cls
-
-
-def known(febio_type: str) -> bool:
-    return febio_type in TYPES
-
-
-def load(febio_type: str) -> type[Permeability]:
-    """The class of a permeability type; KeyError where there is none."""
-    import_module(f"{__name__}.{TYPES[febio_type]}")
-    return _classes[febio_type]
+_all: Registry[Permeability] = Registry(__name__, TYPES)
+register, known, load = _all.register, _all.known, _all.load

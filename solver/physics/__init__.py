@@ -5,26 +5,17 @@ What a physics is to the solver is said in :mod:`.base`.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
+
+from ..registry import Registry
 
 FILES = {
     "standard": "standard",
     "three-field": "three_field",
     "biphasic": "biphasic",
 }
-_classes: dict[str, Any] = {}
-
-
-def register(cls: Any, name: str) -> None:
-    """Make a physics known by its name; the last line of its file."""
-    _classes[name] = cls
-
-
-def load(name: str) -> Any:
-    """The record of a physics; KeyError where there is none."""
-    import_module(f"{__name__}.{FILES[name]}")
-    return _classes[name]
+_all: Registry[Any] = Registry(__name__, FILES)
+register, load = _all.register, _all.load
 
 
 def default() -> Any:

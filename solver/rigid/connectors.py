@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..action import Action
 from ..values import Value, as_value
 from . import jets
 from .jets import Frame, Jet
@@ -121,16 +122,22 @@ class AngularDamper(Between):
         return jets.zero(), (b.spin() - a.spin()).times(number(self.c, t))
 
 
-class Connectors:
-    """The connectors of a run at work, as a load (:mod:`..loads.base`) on the bodies' rows."""
-
-    symmetric: ClassVar[bool] = False
+class Connectors(Action):
+    """The connectors of a run at work, on the bodies' rows."""
 
     def __init__(self, records: list[Connector], state: State) -> None:
         self.records = {id(c): k for k, c in enumerate(records)}
         # multipliers of force and moment; a step that fails gives them back
         state.extra["multipliers"] = np.zeros((len(records), 6))
         self.penalties = np.array([c.penalties() for c in records]).reshape(-1, 2)
+
+    @property
+    def symmetric(self) -> bool:
+        return False
+
+    @property
+    def augments(self) -> bool:
+        return True
 
     def take(self, active: list[Connector], system: System) -> None:
         """The connectors of one analysis step, and its system."""
@@ -172,5 +179,13 @@ class Connectors:
         nodes = np.stack([np.repeat(self._rows(c), 3) for c in self.active])
         return [(K, nodes, np.tile(state.layout.displacement, 4))]
 
-    def augment(self, done: int) -> bool:
+    def augment(self, done: int, state: State) -> bool:
         return all([c.augment(self.system, done, self._memory(c)) for c in self.active])  # noqa: C419 (all of them)
+
+    def snapshot(self) -> Floats:
+        """Penalties. FEBio keeps what ``auto_penalty`` made of them in a try that failed, so that its answer depends on
+        how often steps were cut; here a failed try leaves nothing behind."""
+        return self.penalties.copy()
+
+    def restore(self, saved: Floats) -> None:
+        self.penalties[...] = saved

@@ -23,13 +23,14 @@ through :func:`.history.begin` before each step.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..law import Law
 from ..matrices import det
 from ..points import Points
 from ..values import Value, as_value
@@ -51,36 +52,20 @@ class Property:
 
 
 @dataclass(eq=False)
-class Solid:
+class Solid(Law):
     """A solid. Subclasses are dataclasses whose :class:`Value` fields are its parameters.
 
     ``stress(pts, s, c)`` *adds* the Cauchy stress to ``s`` (n, 6) and, unless ``c`` is None, the spatial
     elasticity tensor c (per current volume: J^-1 push-forward of 2 dS/dC) to ``c`` (n, 6, 6).
     """
 
-    parameters: ClassVar[tuple[str, ...]] = ()
-    options: ClassVar[tuple[str, ...]] = ()
     properties: ClassVar[dict[str, Property]] = {}
-    vectors: ClassVar[dict[str, int]] = {}  # those parameters that hold several numbers, and how many
     constants: ClassVar[tuple[str, ...]] = ()  # fields the file gives under Globals (R, T)
     history: int = field(default=0, init=False, repr=False)  # columns of the node's own, children not counted
     symmetric: ClassVar[bool] = True  # the tangent has major symmetry
     uncoupled: ClassVar[bool] = False
     density_: Number = field(default=1.0, kw_only=True)  # per reference volume; the root's counts
-    mat_axis: Any = field(default=None, kw_only=True)  # local axes: pts -> (1|n, 3, 3), columns
-    _par: Floats | None = field(default=None, init=False, repr=False)
     offset: int = field(default=0, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        for name in self.parameters:
-            v = getattr(self, name)
-            setattr(self, name, tuple(as_value(x) for x in v) if name in self.vectors else as_value(v))
-
-    @classmethod
-    def defaults(cls) -> dict[str, Any]:
-        """Parameters and options with the numbers taken where the file gives none."""
-        by_name: dict[str, Any] = {f.name: f.default for f in fields(cls)}
-        return {n: by_name[n] for n in cls.parameters + cls.options if by_name[n] is not MISSING}
 
     @property
     def children(self) -> Sequence[Solid]:
@@ -100,19 +85,9 @@ class Solid:
         for child in self.children:
             yield from child.walk()
 
-    def par(self, pts: Points) -> Floats:
-        """Scalar parameters at the points: (1, k) where uniform, else (n, k), in the order of ``parameters``."""
-        if self._par is not None:
-            return self._par
-        values: list[Value] = [getattr(self, p) for p in self.parameters if p not in self.vectors]
-        cols = [v(pts.t, pts.X, pts.e) for v in values]
-        m = max((len(c) for c in cols), default=1)
-        out = np.empty((m, len(cols)))
-        for i, c in enumerate(cols):
-            out[:, i] = c
-        if all(v.constant for v in values):
-            self._par = out
-        return out
+    def _values(self) -> Sequence[Value]:
+        """Scalar parameters, in their order; those of several numbers are had by :meth:`vector`."""
+        return [getattr(self, p) for p in self.parameters if p not in self.vectors]
 
     def vector(self, name: str, pts: Points) -> Floats:
         """A parameter of several numbers as (1|n, k)."""

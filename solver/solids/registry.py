@@ -5,11 +5,15 @@ A new material is one file whose last line is ``register(Class, "type")`` and on
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib import import_module
 from keyword import iskeyword
 from typing import Any, TypeVar
 
+from ..registry import Registry
+
 T = TypeVar("T", bound=type)
+
 
 def tables() -> dict[str, dict[str, str]]:
     """table -> FEBio type -> "module:Class".
@@ -32,20 +36,24 @@ def tag_name(field: str) -> str:
     return field.removesuffix("_")
 
 
+@lru_cache(maxsize=None)
+def _of(table: str) -> Registry[Any]:
+    return Registry(__package__, {t: where.partition(":")[0] for t, where in tables().get(table, {}).items()})
+
+
 def known(table: str, febio_type: str) -> bool:
-    return febio_type in tables().get(table, {})
+    return _of(table).known(febio_type)
 
 
 def load(table: str, febio_type: str) -> Any:
     """The class of a material type; KeyError where there is none."""
-    module, name = tables()[table][febio_type].split(":")
-    return getattr(import_module(f".{module}", __package__), name)
+    return _of(table).load(febio_type)
 
 
 def register(cls: T, febio_type: str, table: str = "solid") -> T:
     """Say at the foot of a file which FEBio type its class is; the table must agree."""
-    here = f"{cls.__module__.removeprefix(f'{__package__}.')}:{cls.__name__}"
-    listed = tables()[table].get(febio_type)
-    if listed != here:
-        raise LookupError(f"{table} '{febio_type}': the table says {listed}, not {here}")
+    listed = tables()[table].get(febio_type, "")
+    if listed.partition(":")[2] != cls.__name__:
+        raise LookupError(f"{table} '{febio_type}': the table says {listed!r}, not {cls.__name__}")
+    _of(table).register(cls, febio_type)
     return cls

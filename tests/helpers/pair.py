@@ -95,7 +95,7 @@ def started(pair: Pair, contact: Any) -> State:
     problem = pair.problem(contact, 0.0)
     state = State.at_rest(problem)
     state.dt = 0.5
-    contact.activate(state, [Group(b, pair.X) for b in pair.blocks])
+    contact.begin(state, [Group(b, pair.X) for b in pair.blocks])
     return state
 
 

@@ -119,3 +119,10 @@ def test_what_names_a_column_is_found() -> None:
     for line in ("s.d[:, 3]", "s.d[:, :3]", "R[self.row, :3] += f", "eqs.kind[n, 3]", "from x import UX, P"):
         assert _COLUMN.search(line)
     assert not _COLUMN.search("s.d[:, column]") and not _COLUMN.search("q.d[:3]")
+
+
+@pytest.mark.parametrize("path", _files("febkit.solver"), ids=lambda p: str(p.relative_to(ROOT)))
+def test_what_the_solver_calls_has_a_protocol(path: Path) -> None:
+    """Loads, contacts and laws say what they do by methods with defaults, not by what they lack."""
+    calls = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
+    assert not [n.lineno for n in calls if isinstance(n.func, ast.Name) and n.func.id == "hasattr"]
