@@ -295,3 +295,12 @@ def test_times_are_numbers(tmp_path: Path, make_modern) -> None:
         path.write_bytes(top)
         with pytest.raises(InputError, match="the time of state 2 is nan"):
             results.open(path)
+
+
+@pytest.mark.parametrize(("tag", "what"), [(0x01043103, "surface 'front'"), (0x01044104, "set 'fix'")])
+def test_lists_are_as_long_as_their_headers_say(tmp_path: Path, make_modern, tag: int, what: str) -> None:
+    path = tmp_path / "a.xplt"
+    old = struct.pack("<III", tag, 4, 2)
+    path.write_bytes(make_modern().replace(old, struct.pack("<III", tag, 4, 3)))
+    with pytest.raises(InputError, match=f"{what}: it lists 2 where its header counts 3"):
+        results.open(path)

@@ -17,12 +17,15 @@ from .records import DomainHead, MeshOutline, PlotDomain, PlotMesh, PlotSurface
 _OLD_COORDS = 0x01041001  # versions below 8
 _FACET_LIMIT = 32  # nodes of a facet; a header that says more than its rows hold, and more than this, is damage
 
-# tags of a list of facets or lines: (one, header, name, rows wide, list)
-_SURFACE = (tags.SURFACE, tags.SURFACE_HDR, tags.SURFACE_NAME, tags.SURFACE_MAX_FACET_NODES, tags.FACE_LIST)
-_FACETSET = (tags.FACETSET, tags.FACETSET_HDR, tags.FACETSET_NAME, tags.FACETSET_MAXNODES, tags.FACETSET_LIST)
-_EDGE = (tags.EDGE, tags.EDGE_HDR, tags.EDGE_NAME, tags.EDGE_MAX_NODES, tags.EDGE_LIST)
-_NODESET = (tags.NODESET, tags.NODESET_HDR, tags.NODESET_NAME, tags.NODESET_LIST)
-_ELEMENTSET = (tags.ELEMENTSET, tags.ELEMENTSET_HDR, tags.ELEMENTSET_NAME, tags.ELEMENTSET_LIST)
+# tags of a list of facets or lines: (one, header, name, how many, rows wide, list)
+_SURFACE = (tags.SURFACE, tags.SURFACE_HDR, tags.SURFACE_NAME, tags.SURFACE_FACES, tags.SURFACE_MAX_FACET_NODES,
+            tags.FACE_LIST)  # fmt: skip
+_FACETSET = (tags.FACETSET, tags.FACETSET_HDR, tags.FACETSET_NAME, tags.FACETSET_SIZE, tags.FACETSET_MAXNODES,
+             tags.FACETSET_LIST)  # fmt: skip
+_EDGE = (tags.EDGE, tags.EDGE_HDR, tags.EDGE_NAME, tags.EDGE_LINES, tags.EDGE_MAX_NODES, tags.EDGE_LIST)
+# of a list of nodes or elements: (one, header, name, how many, list)
+_NODESET = (tags.NODESET, tags.NODESET_HDR, tags.NODESET_NAME, tags.NODESET_SIZE, tags.NODESET_LIST)
+_ELEMENTSET = (tags.ELEMENTSET, tags.ELEMENTSET_HDR, tags.ELEMENTSET_NAME, tags.ELEMENTSET_SIZE, tags.ELEMENTSET_LIST)
 
 
 def outline(c: Container, section: Bytes, h: Header) -> MeshOutline:
@@ -213,12 +216,12 @@ def _inside(c: Container, nodes: np.ndarray, n_nodes: int, what: str) -> None:
 def _surfaces(
     c: Container, section: Bytes, t: tuple[int, ...], n_nodes: int, version: int, old: int | None
 ) -> list[PlotSurface]:
-    one, head, name_, width_, list_ = t
+    one, head, name_, count_, width_, list_ = t
     out = []
     for tag, b in c.children(section, "surface section"):
         if tag != one:
             continue
-        name, width, rows = "", old, None
+        name, width, rows, count = "", old, None, None
         for k, v in c.children(b, "surface"):
             if k == list_:
                 rows = v
@@ -228,13 +231,21 @@ def _surfaces(
                         name = c.text(vv)
                     elif kk == width_:
                         width = c.word(vv, "surface header")
+                    elif kk == count_:
+                        count = c.word(vv, "surface header")
         what = f"surface {name!r}"
         nodes = _facets(c, _rows(c, rows, what), version, what)
+        _counted(c, count if version >= 8 else None, len(nodes), what)
         _inside(c, np.where(nodes < 0, 0, nodes), n_nodes, what)
         if width and width > max(nodes.shape[1], _FACET_LIMIT):
             raise InputError(f"damaged {what}: facets of {width} nodes", c.where)
         out.append(PlotSurface(name, nodes, width if width and width > nodes.shape[1] else None))
     return out
+
+
+def _counted(c: Container, said: int | None, listed: int, what: str) -> None:
+    if said is not None and said != listed:
+        raise InputError(f"damaged {what}: it lists {listed} where its header counts {said}", c.where)
 
 
 def _facets(c: Container, rows: np.ndarray, version: int, what: str) -> np.ndarray:
@@ -257,17 +268,22 @@ def _facets(c: Container, rows: np.ndarray, version: int, what: str) -> np.ndarr
 
 
 def _sets(c: Container, section: Bytes, t: tuple[int, ...]) -> dict[str, np.ndarray]:
-    one, head, name_, list_ = t
+    one, head, name_, count_, list_ = t
     out: dict[str, np.ndarray] = {}
     for tag, b in c.children(section, "sets"):
         if tag != one:
             continue
-        name, members = "", np.empty(0, np.int32)
+        name, members, count = "", np.empty(0, np.int32), None
         for k, v in c.children(b, "set"):
             if k == list_:
                 members = c.words(v).astype("=i4")
             elif k == head:
-                name = next((c.text(vv) for kk, vv in c.children(v, "set header") if kk == name_), "")
+                for kk, vv in c.children(v, "set header"):
+                    if kk == name_:
+                        name = c.text(vv)
+                    elif kk == count_:
+                        count = c.word(vv, "set header")
+        _counted(c, count, len(members), f"set {name!r}")
         out[_free(name, out)] = members
     return out
 
