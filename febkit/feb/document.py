@@ -125,6 +125,7 @@ def _cut(data: bytes) -> tuple[bytes, list[int], list[int], dict[int, table.Tabl
     shift: list[int] = []
     tables: dict[int, table.Table] = {}
     pos = done = gone = 0
+    ends: dict[bytes, int] = {}  # where the next end tag of each name is: thousands of unclosed ones look for it once
     while (m := _SCAN.search(data, pos)) is not None:
         close = _CLOSE.get(m.group(0))
         if close is not None:
@@ -135,8 +136,11 @@ def _cut(data: bytes) -> tuple[bytes, list[int], list[int], dict[int, table.Tabl
         pos = m.end()
         if m.group(2).endswith(b"/"):
             continue
-        end = data.find(b"</" + m.group(1) + b">", pos)
-        if end < 0:
+        end = ends.get(m.group(1), 0)
+        if 0 <= end < pos:
+            end = ends[m.group(1)] = data.find(b"</" + m.group(1) + b">", pos)
+        # a list within a list of its name is none: thousands of unclosed ones would all be read to the end
+        if end < 0 or data.find(b"<" + m.group(1), pos, end) >= 0:
             continue
         t = table.parse(data, pos, end)
         if t is None:
