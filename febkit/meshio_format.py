@@ -7,8 +7,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import meshio
@@ -276,13 +280,79 @@ def write_feb(path: Path_, mesh: meshio.Mesh, **_: Any) -> None:
 
 def read_mesh(path: Path_) -> meshio.Mesh:
     """Any file that meshio reads; a clear error instead of meshio's exit."""
+    _known(path, "reads")
+    heard: list[str] = []
     try:
-        return meshio.read(path)
-    except InputError:
+        with _listening(heard):
+            return meshio.read(path)
+    except (InputError, OSError):
         raise
     except (Exception, SystemExit) as e:
-        said = str(e).strip() or type(e).__name__
-        raise InputError(f"meshio cannot read the file: {said}", Where(str(Path(path)))) from None
+        said = "; ".join(heard) if isinstance(e, SystemExit) else str(e).strip() or type(e).__name__
+        raise InputError(f"meshio cannot read it as {Path(path).suffix}: {said}", Where(str(Path(path)))) from None
+
+
+def write_mesh(mesh: meshio.Mesh, path: Path_, overwrite: bool = True) -> list[str]:
+    """Write a mesh in a format of meshio's; what meshio said of it.
+
+    Raises InputError, and writes nothing, where the format cannot hold every cell (what was written is read again)
+    or where a file exists and ``overwrite`` is False.
+    """
+    from febkit.files import may_write, real
+
+    path = real(path)
+    may_write(path, overwrite)
+    _known(path, "writes")
+    before = sum(len(c.data) for c in mesh.cells)
+    if not before:
+        raise InputError("there are no cells to write", Where(str(path)))
+    heard: list[str] = []
+    with TemporaryDirectory(dir=path.parent, prefix=".febkit-") as folder:
+        made = Path(folder) / path.name  # some formats have companions that are named in the file
+        try:
+            with _listening(heard):
+                mesh.write(made)
+        except OSError:
+            raise
+        except (Exception, SystemExit) as e:
+            said = "; ".join(heard) if isinstance(e, SystemExit) else str(e).strip() or type(e).__name__
+            raise InputError(f"meshio cannot write this mesh as {path.suffix}: {said}", Where(str(path))) from None
+        after = sum(len(c.data) for c in read_mesh(made).cells)
+        if after < before:
+            kinds = ", ".join(dict.fromkeys(c.type for c in mesh.cells))
+            raise InputError(f"{path.suffix} holds {after} of the mesh's {before} cells ({kinds}): take .vtu or .msh",
+                             Where(str(path)))
+        for f in Path(folder).iterdir():
+            may_write(path.parent / f.name, overwrite)
+        for f in Path(folder).iterdir():
+            f.replace(path.parent / f.name)
+    return heard
+
+
+def _known(path: Path_, verb: str) -> None:
+    """Raises InputError for an ending that meshio has no format for."""
+    suffixes = [s.lower() for s in Path(path).suffixes]
+    if not any("".join(suffixes[k:]) in meshio.extension_to_filetypes for k in range(len(suffixes))):
+        ending = f'files that end in "{suffixes[-1]}"' if suffixes else "files without an ending"
+        raise InputError(f"meshio {verb} no {ending}; it knows {', '.join(sorted(meshio.extension_to_filetypes))}",
+                         Where(str(Path(path))))
+
+
+@contextmanager
+def _listening(heard: list[str]) -> Iterator[None]:
+    """Collect what meshio prints, a line for each message, instead of having it printed."""
+    out = StringIO()
+    try:
+        with redirect_stdout(out), redirect_stderr(out), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        for line in out.getvalue().splitlines():
+            begins = line.startswith(("Info:", "Warning:", "Error:")) or not heard
+            if begins and line.strip():
+                heard.append(line.partition(": ")[2] if line.startswith(("Info:", "Warning:", "Error:")) else line)
+            elif line.strip():
+                heard[-1] += f" {line.strip()}"
 
 
 register(meshio)

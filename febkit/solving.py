@@ -5,20 +5,21 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from febkit.model import InputError, Model, Where, as_record
 
 if TYPE_CHECKING:
     from febkit.output.log import LogListener
+    from febkit.solver.problem import Problem
     from febkit.solver.result import Result
-    from febkit.solver.run import Listener
+    from febkit.solver.run import Listener, Options
 
 
 def solve(
-    model: Model,
+    model: Model | str | PathLike[str],
     plotfile: str | PathLike[str] | None = None,
     logfile: str | PathLike[str] | None = None,
     threads: int = 0,
@@ -32,7 +33,7 @@ def solve(
     warn: Callable[[str], None] | None = None,
     data_anywhere: bool = False,
 ) -> Result:
-    """Solve ``model``; write a plotfile and a log where paths are given.
+    """Solve ``model``, or the .feb file of that path; write a plotfile and a log where paths are given.
 
     Earlier results there are replaced as soon as a solved state stands (:mod:`febkit.files`). Data files that the
     model asks for lie in the folder of the log; with ``data_anywhere`` where the model says.
@@ -44,30 +45,22 @@ def solve(
     0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
     mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
-    Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve.
+    Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
+    ValueError for an option that means nothing.
     """
     from febkit.feb.validation import require
     from febkit.lower import lower
     from febkit.solver.run import Options, Run
 
-    model = as_record(model)
+    for given in (plotfile, logfile):
+        if given is not None and not fspath(given):  # fspath raises TypeError for what is no path
+            raise ValueError("a plotfile or logfile needs a name; leave it out to have none written")
+    options = Options(threads, linear, factor, stabilise, accuracy, memory)
+    model = _model(model)
     doubts = require(model)
     data = _destinations(model, plotfile, logfile, data_anywhere)
-    problem, options = lower(model), Options(threads, linear, factor, stabilise, accuracy, memory)
-    if linear == "iterative":
-        from febkit.solver.linear import amg
-
-        if not amg.available():
-            raise InputError(amg.MISSING)
-        if problem.bodies:
-            raise InputError('linear = "iterative" does not solve models with rigid bodies', Where(model.file))
-    if accuracy:
-        from febkit.solver.second_order import refusal
-
-        why = refusal(problem)
-        if why:
-            raise InputError(f"accuracy = {accuracy:g} cannot be had: {why}; leave it out for the file's own steps",
-                             Where(model.file))  # fmt: skip
+    problem = lower(model)
+    _check(options, problem, model)
     told: list[Listener] = [*listeners]
     say = [warn or (lambda m: warnings.warn(m, stacklevel=3))]
 
@@ -129,3 +122,38 @@ def _destinations(
     for what, path, where in outputs:
         is_ours(path, what, where)
     return data
+
+
+def _model(given: Any) -> Model:
+    if isinstance(given, (str, PathLike)):
+        from febkit.feb import read
+
+        return read(given)
+    model = as_record(given)
+    if not isinstance(model, Model):
+        raise TypeError(f"solve() takes a model or the path of a .feb file, not {type(given).__name__}")
+    return model
+
+
+def _check(options: Options, problem: Problem, model: Model) -> None:
+    """Raises InputError where this machine or this model cannot have an option: that is no failure of the solve."""
+    place = Where(model.file)
+    if options.linear == "pardiso":
+        from febkit.solver.linear.pardiso import library
+
+        if library() is None:
+            raise InputError('linear = "pardiso" needs MKL: pip install mkl, or take "superlu" or "auto"')
+    if options.linear == "iterative":
+        from febkit.solver.linear import amg
+
+        if not amg.available():
+            raise InputError(amg.MISSING)
+        if problem.bodies:
+            raise InputError('linear = "iterative" does not solve models with rigid bodies', place)
+    if options.accuracy:
+        from febkit.solver.second_order import refusal
+
+        why = refusal(problem)
+        if why:
+            raise InputError(f"accuracy = {options.accuracy:g} cannot be had: {why}; leave it out for the file's "
+                             "own steps", place)  # fmt: skip

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
+from numbers import Integral, Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
 
     from .rigid.bodies import Bodies
 
+LINEAR = ("auto", "pardiso", "superlu", "dense", "iterative")
+FACTOR = ("auto", "fresh", "reuse")
+ACCURACY = 0.1  # the largest relative error of a step that can be asked for
+
 
 @dataclass
 class Options:
@@ -52,6 +58,20 @@ class Options:
     stabilise: float = 0.0
     accuracy: float = 0.0
     memory: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raises ValueError where an option is none of what stands above."""
+        if not isinstance(self.threads, Integral) or self.threads < 0:
+            raise ValueError(f"threads = {self.threads!r}: give a whole number, 0 for all processors")
+        for name, values in (("linear", LINEAR), ("factor", FACTOR)):
+            given = getattr(self, name)
+            if given not in values:
+                raise ValueError(f"{name} = {given!r} is none of {', '.join(values)}")
+        for name, most in (("accuracy", ACCURACY), ("stabilise", inf), ("memory", inf)):
+            given = getattr(self, name)
+            if not isinstance(given, Real) or not 0.0 <= given <= most or given == inf:
+                limit = f" to {most:g}" if most < inf else " or more"
+                raise ValueError(f"{name} = {given!r}: give a number of 0{limit}")
 
 
 class Listener:

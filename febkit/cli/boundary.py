@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import units
+from . import printing, units
 from .outputs import FORCE, check
+from .paths import INPUT, Output
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from febkit.coupling import Field, Handoff
     from febkit.model import Model
-
-FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +40,10 @@ class Options:
 
 
 @click.command("boundary", context_settings={"max_content_width": 110})
-@click.argument("source", type=FILE)
-@click.argument("cell", type=FILE, required=False)
+@click.argument("source", type=INPUT)
+@click.argument("cell", type=INPUT, required=False)
 @click.option("--at", multiple=True, metavar="X,Y,Z", help="Point of the tissue; may be repeated.")
-@click.option("--points", type=FILE, help="CSV file of points: columns x, y, z and, if you like, name.")
+@click.option("--points", type=INPUT, help="CSV file of points: columns x, y, z and, if you like, name.")
 @click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
 @click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: that of the "
               "displacement, at most 2].")
@@ -69,9 +68,9 @@ class Options:
               help="Make the time stepper meet the tissue's times.")
 @click.option("--pressure/--no-pressure", default=True, show_default=True,
               help="Prescribe the fluid pressure.")
-@click.option("--dataset", type=FILE, help="Also save F, G, p, ... at the points as NetCDF.")
+@click.option("--dataset", type=Output(".nc"), help="Also save F, G, p, ... at the points as NetCDF.")
 @units.OPTION
-@click.option("-o", "--output", type=FILE, help="File to write; with several points their names are put "
+@click.option("-o", "--output", type=Output(".feb"), help="File to write; with several points their names are put "
               "before its ending [default: CELL_driven.feb].")
 @FORCE
 def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path | None, times: str | None,
@@ -99,7 +98,7 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
         from febkit.results.netcdf import save
 
         save(driving, dataset, force)
-        click.echo(f"wrote {dataset}")
+        printing.say(f"wrote {dataset}")
     if cell is not None:
         assert output is not None
         _drive_all(cell, tissue, driving, at, points, options, output, [source, points], force)
@@ -121,7 +120,7 @@ def _drive_all(cell: Path, tissue: Field | None, driving: xr.Dataset | None, at:
     check(paths, [*inputs, *sources(model)], force)
     for k, (name, path) in enumerate(zip(names, paths)):
         if len(names) > 1:
-            click.echo(f"point {name}:")
+            printing.say(f"point {name}:")
         place = None if places is None else places[k]
         _drive_one(model, tissue, driving, k, place, options, path, force)
 
@@ -136,8 +135,6 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     from febkit.coupling import from_dataset, read_driving, series
     from febkit.model import InputError
 
-    if not source.is_file():
-        raise InputError(f"{source}: there is no such file")
     if _holds_series(source):
         given = {"--at": at, "--points": points, "--recovery": options.recovery, "--times": times,
                  "--overlay": options.overlay, "--units": options.units}
@@ -171,15 +168,10 @@ def _holds_series(source: Path) -> bool:
         return True
     if source.suffix.lower() not in (".nc", ".nc4", ".h5", ".cdf"):
         return False
-    import xarray as xr
+    from febkit.results import netcdf
 
-    from febkit.model import InputError
-
-    try:
-        with xr.open_dataset(source) as ds:
-            return "F" in ds
-    except (OSError, ValueError) as e:
-        raise InputError(f"{source}: not a NetCDF file that can be read ({e})") from None
+    with netcdf.opened(source) as ds:
+        return "F" in ds
 
 
 def _places(at: tuple[str, ...], points: Path | None) -> tuple[Any, list[str]]:
@@ -231,19 +223,19 @@ def _drive_one(model: Model, tissue: Field | None, driving: xr.Dataset | None, p
     given = with_solutes(given, model)
     found = check(given, driving, point)
     for line in found.lines:
-        click.echo(f"  {line}")
+        printing.say(f"  {line}")
     for problem in found.problems:
-        click.echo(f"  warning: {problem}", err=True)
+        printing.warn(problem)
     driven = drive(model, given, nodes, node_set=options.node_set, form=options.form, version=options.version,
                    must_points=options.must_points)
     for line in driven.said:
-        click.echo(f"  {line}")
+        printing.say(f"  {line}")
     if options.section:
         write_section(driven, path, options.version, force)
     else:
         for lost in write(driven, path, options.version, force) or ():
-            click.echo(f"  warning: {lost}", err=True)
-    click.echo(f"wrote {path} ({options.version}, {driven.form})")
+            printing.warn(lost)
+    printing.say(f"wrote {path} ({options.version}, {driven.form})")
 
 
 def _same_units(tissue: Field | None, driving: xr.Dataset | None, model: Model) -> None:
@@ -252,7 +244,7 @@ def _same_units(tissue: Field | None, driving: xr.Dataset | None, model: Model) 
     name = driving.attrs.get("unit_system") if driving is not None else tissue.units if tissue else None
     same_units(name, model.units)
     if model.units and not name:
-        click.echo(f"  units: the tissue names none and is taken to be in those of the cell model, {model.units}")
+        printing.say(f"  units: the tissue names none and is taken to be in those of the cell model, {model.units}")
 
 
 def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: int, place: Any,

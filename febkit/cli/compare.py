@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import units
+from . import printing, units
+from .labels import names as labels_of
+from .numbers import FINITE
 from .outputs import check
+from .paths import INPUT, Output
 from .units import UNKNOWN
 
 if TYPE_CHECKING:
@@ -16,25 +19,23 @@ if TYPE_CHECKING:
 
 
 @click.command("compare", context_settings={"max_content_width": 110})
-@click.argument("control", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("control", type=INPUT)
 @click.argument(
-    "tests", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
+    "tests", nargs=-1, required=True, type=INPUT
 )
 @click.option(
     "-l", "--label", "labels", multiple=True, help="Names of the tests, in order [default: file names]."
 )
 @click.option(
-    "--instantaneous", type=float, default=0.1, show_default=True, help="Time called instantaneous."
+    "--instantaneous", type=FINITE, default=0.1, show_default=True, help="Time called instantaneous."
 )
 @click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=Output(".nc"),
     help="Write agreement (test, metric) as NetCDF.",
 )
-@click.option(
-    "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
-)
+@printing.STYLE
 @units.OPTION
 def command(
     control: Path,
@@ -55,50 +56,46 @@ def command(
     from febkit import metrics
     from febkit.metrics import tables
 
-    from .metrics import emit
-
-    names = list(labels) or [t.stem for t in tests]
-    if len(names) != len(tests):
-        raise click.UsageError(f"{len(names)} labels for {len(tests)} tests")
+    names = labels_of(tests, labels)
     check([output], [p for f in (control, *tests) for p in (f, f.with_suffix(".feb"))])
     a = measured(control, units)
     data = {name: metrics.in_units_of(a, measured(t, units)) for name, t in zip(names, tests)}
     if "unit_system" not in a.attrs:
-        click.echo(UNKNOWN, err=True)
+        printing.note(UNKNOWN)
     agreed = [(name, metrics.compare(a, b)) for name, b in data.items()]
-    emit(tables.rms_table(agreed), style)
-    for name, r in agreed:
-        emit(tables.limits_table(r, f"{name}: limits of agreement (test - control)"), style)
-    spreads = [(n, metrics.spread(b, instantaneous)) for n, b in {"control": a, **data}.items()]
-    emit(tables.spread_table(spreads), style)
+    found = [tables.rms_table(agreed)]
+    found += [tables.limits_table(r, f"{name}: limits of agreement (test - control)") for name, r in agreed]
+    spreads = [(n, metrics.spread(b, instantaneous)) for n, b in [("control", a), *data.items()]]
+    found.append(tables.spread_table(spreads))
     if len(data) >= 2:
         first, *others = data.items()
         pairs = [
             (f"{first[0]} / {n}", metrics.compare_orders(a, first[1], b, instantaneous)) for n, b in others
         ]
-        emit(tables.rank_table(pairs), style)
+        found.append(tables.rank_table(pairs))
     else:
         ((name, b),) = data.items()
-        emit(tables.rank_table([(name, metrics.rank_correlation(a, b, instantaneous))]), style)
+        found.append(tables.rank_table([(name, metrics.rank_correlation(a, b, instantaneous))]))
+    for t in found:
+        printing.table(t, style)
     if output is not None:
         import xarray as xr
 
         from febkit.results.netcdf import save
 
         save(xr.concat([r for _, r in agreed], xr.DataArray(names, dims="test", name="test")), output)
-        click.echo(f"wrote {output}", err=True)
+        printing.note(f"wrote {output}")
 
 
 def measured(path: Path, units: str | None = None) -> xr.Dataset:
     """Cell metrics from a metrics file, or measured now; ``units`` of a result that names none."""
-    import xarray as xr
-
     from febkit import metrics
+    from febkit.results import netcdf
 
     from .metrics import opened
 
-    if path.suffix == ".nc":
-        with xr.open_dataset(path) as ds:
+    if path.suffix.lower() == ".nc":
+        with netcdf.opened(path) as ds:
             if "cell" in ds.dims:
                 _check_units(path, ds.attrs.get("unit_system"), units)
                 return ds.load()

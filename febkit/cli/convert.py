@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 
+from . import exits, printing
 from .outputs import FORCE, check
+from .paths import INPUT, Output
 
 RESULTS = (".xplt", ".plt", ".nc")
 VERSIONS = ("4.0", "3.0", "2.5", "2.0", "1.2")
 
 
 @click.command("convert", context_settings={"max_content_width": 110})
-@click.argument("source", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.argument("target", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("source", type=INPUT)
+@click.argument("target", type=Output())
 @click.option("--to", "version", type=click.Choice(VERSIONS), help="Version of a .feb target [default: 4.0].")
 @click.option("-v", "--variable", "variables", multiple=True, help="Convert this result only; may repeat.")
 @click.option("--deformed", is_flag=True, help="Results at their deformed places.")
@@ -34,12 +37,26 @@ def command(source: Path, target: Path, version: str | None, variables: tuple[st
     febkit convert model.feb mesh.vtu           the mesh of a model
     """
     a, b = source.suffix.lower(), target.suffix.lower()
+    given = {"--to": version, "-v": variables, "--deformed": deformed, "--strict": strict,
+             "--compress": compress is not None}
     if a == b == ".feb":
+        _means(given, "--to", "--strict")
         _model(source, target, version or "4.0", strict, force)
     elif a in RESULTS:
+        _means(given, "-v", "--deformed", "--compress")
         _results(source, target, variables, deformed, compress, force)
+    elif b in (*RESULTS, ".pvd"):
+        raise exits.Refused(f"{target}: {b} holds results, and {source} has none: febkit run makes them")
     else:
+        _means(given, *(["--to"] if b == ".feb" else []))
         _mesh(source, target, version or "4.0", force)
+
+
+def _means(given: Mapping[str, object], *known: str) -> None:
+    """Refuse options that would change nothing."""
+    other = [name for name, value in given.items() if value and name not in known]
+    if other:
+        raise click.UsageError(f"{', '.join(other)} mean{'s' * (len(other) == 1)} nothing for these kinds of file")
 
 
 def _model(source: Path, target: Path, version: str, strict: bool, force: bool) -> None:
@@ -52,12 +69,12 @@ def _model(source: Path, target: Path, version: str, strict: bool, force: bool) 
     check([target], sources(model), force)
     data, notes = to_bytes(model, version)
     for note in notes:
-        click.echo(f"not said in version {version}: {note}", err=True)
+        printing.warn(f"not said in version {version}: {note}")
     if strict and notes:
-        click.echo(f"{target} is not written", err=True)
-        raise click.exceptions.Exit(1)
+        printing.fail(f"{target} is not written")
+        raise click.exceptions.Exit(exits.NO)
     put(target, data, force)
-    click.echo(f"{target}: febio_spec {version}, {len(notes)} notes")
+    printing.say(f"wrote {target} (febio_spec {version}, {len(notes)} note{'s' * (len(notes) != 1)})")
 
 
 def _results(source: Path, target: Path, variables: tuple[str, ...], deformed: bool,
@@ -67,11 +84,11 @@ def _results(source: Path, target: Path, variables: tuple[str, ...], deformed: b
     written = export(source, target, variables=variables or None, deformed=deformed, compress=compress,
                      overwrite=force)
     more = f" and {len(written) - 1} more" if len(written) > 1 else ""
-    click.echo(f"{written[0]}{more}")
+    printing.say(f"wrote {written[0]}{more}")
 
 
 def _mesh(source: Path, target: Path, version: str, force: bool) -> None:
-    from febkit.meshio_format import read_mesh
+    from febkit.meshio_format import read_mesh, write_mesh
 
     check([target], [source], force)
     mesh = read_mesh(source)
@@ -79,16 +96,9 @@ def _mesh(source: Path, target: Path, version: str, force: bool) -> None:
         from febkit.feb import write
         from febkit.meshio_format import to_model
 
-        for note in write(to_model(mesh, str(target)), target, version, force):
-            click.echo(f"not said in version {version}: {note}", err=True)
+        for note in write(to_model(mesh, str(source)), target, version, force):
+            printing.warn(f"not said in version {version}: {note}")
     else:
-        from meshio import WriteError
-
-        from febkit.files import written
-
-        try:
-            with written(target, force) as part:
-                mesh.write(part)
-        except (WriteError, KeyError, ValueError) as e:
-            raise click.UsageError(f"meshio cannot write {target.name}: {e}") from None
-    click.echo(str(target))
+        for line in write_mesh(mesh, target, force):
+            printing.note(f"meshio: {line}")
+    printing.say(f"wrote {target}")

@@ -6,14 +6,16 @@ from pathlib import Path
 
 import click
 
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+from . import exits, printing
+from .numbers import NOT_NEGATIVE
+from .paths import INPUT
 
 
 @click.command("diff", context_settings={"max_content_width": 110})
-@click.argument("a", type=_FILE)
-@click.argument("b", type=_FILE)
-@click.option("--rtol", default=None, type=float, help="Relative tolerance [default: 1e-5; inputs 1e-9].")
-@click.option("--atol", default=0.0, show_default=True, help="Absolute tolerance, per value.")
+@click.argument("a", type=INPUT)
+@click.argument("b", type=INPUT)
+@click.option("--rtol", default=None, type=NOT_NEGATIVE, help="Relative tolerance [default: 1e-5; inputs 1e-9].")
+@click.option("--atol", default=0.0, type=NOT_NEGATIVE, show_default=True, help="Absolute tolerance, per value.")
 @click.option("-v", "--variable", "variables", multiple=True, help="Compare this variable only; may repeat.")
 @click.option("--all", "every", is_flag=True, help="A line per variable and state, not only the worst.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing; the exit code tells.")
@@ -36,7 +38,7 @@ def command(
         same = _results(a, b, 1e-5 if rtol is None else rtol, atol, variables, every, quiet)
     else:
         raise click.UsageError("give two .feb or two .xplt files")
-    raise click.exceptions.Exit(0 if same else 1)
+    raise click.exceptions.Exit(exits.DONE if same else exits.NO)
 
 
 def _inputs(a: Path, b: Path, rtol: float, quiet: bool) -> bool:
@@ -45,8 +47,8 @@ def _inputs(a: Path, b: Path, rtol: float, quiet: bool) -> bool:
     found = diff(read(a), read(b), rtol)
     if not quiet:
         for d in found:
-            click.echo(f"{d.what}: {d.a or '-'} | {d.b or '-'}")
-        click.echo(f"{len(found)} differences" if found else "same meaning")
+            printing.say(f"{d.what}: {d.a or '-'} | {d.b or '-'}")
+        printing.say(f"{len(found)} differences" if found else "same meaning")
     return not found
 
 
@@ -59,6 +61,6 @@ def _results(
     same = d.agrees(rtol, atol)
     if not quiet:
         for line in lines(d, rtol, atol, every):
-            click.echo(line)
-        click.echo(f"{'agree' if same else 'differ'} (rtol {rtol:g}, atol {atol:g})")
+            printing.say(line)
+        printing.say(f"{'agree' if same else 'differ'} (rtol {rtol:g}, atol {atol:g})")
     return same

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import printing
+from .paths import INPUT
+
 if TYPE_CHECKING:
     from febkit.results.summary import PlotSummary, VariableSummary
 
 
 @click.command("info", context_settings={"max_content_width": 110})
 @click.argument("files", nargs=-1, required=True,
-                type=click.Path(exists=True, dir_okay=False, path_type=Path))
+                type=INPUT)
 @click.option("--ranges", is_flag=True, help="Ranges over all states, not only the last.")
 @click.option("--times", is_flag=True, help="List every time.")
 def command(files: tuple[Path, ...], ranges: bool, times: bool) -> None:
@@ -26,9 +29,9 @@ def command(files: tuple[Path, ...], ranges: bool, times: bool) -> None:
     """
     for i, file in enumerate(files):
         if len(files) > 1:
-            click.echo(f"{'' if i == 0 else chr(10)}{file}:")
+            printing.say(f"{'' if i == 0 else chr(10)}{file}:")
         for line in _lines(file, ranges, times):
-            click.echo(line)
+            printing.say(line)
 
 
 def _lines(file: Path, ranges: bool, times: bool) -> Iterator[str]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 
 import click
 
 from febkit._version import __version__
+
+from . import exits, printing, signals
 
 VERBS = {
     "info": "Say what is in a model or a results file.",
@@ -39,37 +42,104 @@ class Verbs(click.Group):
             formatter.write_dl(list(VERBS.items()))
 
 
-@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]},
+             epilog="febkit help VERB says more of one; febkit MODEL.feb solves a model, with FEBio's options.")
 @click.version_option(__version__, prog_name="febkit")
 def cli() -> None:
     """Read, write, convert and solve FEBio models; hand tissue results to cell models; measure cells."""
 
 
 def main() -> None:
-    """Run the command line; bad input is a message and exit code 2, never a traceback."""
-    import sys
-
+    """Run the command line. Whatever happens is a sentence and an exit code (:mod:`.exits`), never a traceback."""
+    printing.prepare()
+    signals.watch()
     try:
-        cli.main(standalone_mode=False)
+        code = _call(sys.argv[1:])
+    except KeyboardInterrupt:  # a second one, while the first was dealt with
+        code = signals.exit_code()
+    sys.exit(code)
+
+
+def _call(args: list[str]) -> int:
+    try:
+        code = cli.main(_verb_first(args), prog_name="febkit", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else exits.DONE  # click hands back what its Exit was raised with
+    except click.exceptions.NoArgsIsHelpError as e:
+        printing.note(e.format_message())
+        return exits.BAD_INPUT
+    except click.UsageError as e:
+        verb = e.ctx.command_path if e.ctx is not None else "febkit"
+        printing.fail(f"{e.format_message()} ({verb} --help says more)")
+        return exits.BAD_INPUT
     except click.ClickException as e:
-        e.show()
-        sys.exit(2)
-    except click.exceptions.Exit as e:
-        sys.exit(e.exit_code)
+        printing.fail(e.format_message())
+        return exits.BAD_INPUT
     except (click.Abort, KeyboardInterrupt):
-        print("interrupted", file=sys.stderr)
-        sys.exit(130)
-    except BrokenPipeError:
-        sys.exit(0)
+        return _interrupted()
     except OSError as e:
-        print(f"febkit: {e.filename or ''}: {e.strerror or e}".replace(": : ", ": "), file=sys.stderr)
-        sys.exit(2)
+        printing.fail(_of_the_system(e))
+        return exits.BAD_INPUT
+    except UnicodeEncodeError as e:
+        if not any("\udc80" <= c <= "\udcff" for c in str(e.object)):
+            return _unforeseen(e, args)
+        printing.fail(f"the name {e.object} is not UTF-8, which this kind of file needs: rename what is called so")
+        return exits.BAD_INPUT
+    except MemoryError as e:
+        printing.fail(f"there is not enough memory{f': {e}' if str(e) else ''}")
+        return exits.BAD_INPUT
     except Exception as e:
         source = sys.modules.get("febkit.model.source")  # who raises its error has imported it; help has not
-        if source is None or not isinstance(e, source.InputError):
-            raise
-        print(f"febkit: {e}", file=sys.stderr)
-        sys.exit(2)
+        if source is not None and isinstance(e, source.InputError):
+            printing.fail(e)
+            return exits.BAD_INPUT
+        return _unforeseen(e, args)
+
+
+def _unforeseen(e: Exception, args: list[str]) -> int:
+    from . import crash
+
+    return crash.report(e, args)
+
+
+def _interrupted() -> int:
+    printing.note("interrupted")
+    return signals.exit_code()
+
+
+def _of_the_system(e: OSError) -> str:
+    """The file's name and what the system says of it."""
+    name = e.filename.decode(errors="backslashreplace") if isinstance(e.filename, bytes) else e.filename
+    said = e.strerror or str(e) or type(e).__name__
+    return f"{name}: {said}" if isinstance(name, str) and name else said
+
+
+def _verb_first(args: list[str]) -> list[str]:
+    """``help [VERB]`` as ``[VERB] --help``; FEBio's ``MODEL.feb`` and ``-i MODEL.feb`` as ``run ...``."""
+    if not args or args[0] in VERBS:
+        return args
+    first, *rest = args
+    if first == "help":
+        return [*rest, "--help"]
+    if first.lower().endswith(".feb") or any(map(_of_febio, args)):
+        return ["run", *args]
+    if first.startswith("-"):
+        return args
+    from difflib import get_close_matches
+    from pathlib import Path
+
+    if Path(first).is_file() or Path(f"{first}.feb").is_file():
+        return ["run", *args]
+    near = get_close_matches(first, [*VERBS, "help"], 1)
+    raise click.UsageError(f"{first} is no verb and no model" + (f"; did you mean {near[0]}?" if near else ""))
+
+
+def _of_febio(arg: str) -> bool:
+    if not arg.startswith("-"):
+        return False
+    from .febio_options import is_one
+
+    return is_one(arg)
 
 
 if __name__ == "__main__":

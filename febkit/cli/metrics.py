@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import units
+from . import printing, units
+from .numbers import FINITE, POSITIVE, Finite
 from .outputs import check
+from .paths import INPUT, Output
 from .units import UNKNOWN
 
 if TYPE_CHECKING:
@@ -18,11 +20,11 @@ if TYPE_CHECKING:
 
 
 @click.command("metrics", context_settings={"max_content_width": 110})
-@click.argument("results", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("results", type=INPUT)
 @click.option(
     "-m",
     "--model",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=INPUT,
     help="The model of the run, for stress and flux at integration points [default: .feb beside RESULTS].",
 )
 @click.option(
@@ -43,9 +45,9 @@ if TYPE_CHECKING:
     help="Mass exchange by nodal fluxes on a cell's surface (the study's), or by the pressure equation of the "
     "elements around it, which is the cell's change of volume on any mesh.",
 )
-@click.option("--density", type=float, help="Fluid density in pg per cubic unit of length [default: water].")
+@click.option("--density", type=POSITIVE, help="Fluid density in pg per cubic unit of length [default: water].")
 @click.option(
-    "--at", "times", type=float, multiple=True, metavar="T", help="Times to print [default: the last]."
+    "--at", "times", type=FINITE, multiple=True, metavar="T", help="Times to print [default: the last]."
 )
 @click.option(
     "-v", "--variable", help='Summarise a plot variable instead: "stress:effective", "fluid_flux:magnitude".'
@@ -55,17 +57,15 @@ if TYPE_CHECKING:
     "-q",
     "--quantile",
     "quantiles",
-    type=click.FloatRange(0, 1),
+    type=Finite(0, 1),
     multiple=True,
     help="Quantiles of the summary, weighted by deformed volume [default: 0.05 0.25 0.5 0.75 0.95].",
 )
 @click.option(
     "--fields", is_flag=True, help="Write element fields (strain, stress, flux) instead of cell metrics."
 )
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write .nc or .csv.")
-@click.option(
-    "--style", type=click.Choice(["rich", "text", "markdown", "csv"]), default="rich", show_default=True
-)
+@click.option("-o", "--output", type=Output(".nc", ".csv"), help="Write .nc or .csv.")
+@printing.STYLE
 @units.OPTION
 def command(
     results: Path,
@@ -109,10 +109,10 @@ def command(
         _printed(data, [str(k) for k in metrics.METRICS if k in data], "cell", times, style)
         _notes(data)
     if "unit_system" not in data.attrs:
-        click.echo(UNKNOWN, err=True)
+        printing.note(UNKNOWN)
     if output is not None:
         _write(data, output)
-        click.echo(f"wrote {output}", err=True)
+        printing.note(f"wrote {output}")
 
 
 def opened(
@@ -154,29 +154,17 @@ def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, .
             [str(c), *(float(data[n].isel(time=k).sel({dim: c})) for n in names)]
             for c in data[dim].values
         ]
-        emit(Table(f"t = {t[k]:g} {unit}".rstrip(), [dim, *head], rows), style)
+        printing.table(Table(f"t = {t[k]:g} {unit}".rstrip(), [dim, *head], rows), style)
 
-
-def emit(table: object, style: str) -> None:
-    """Print a table."""
-    from febkit.metrics.tables import Table
-
-    assert isinstance(table, Table)
-    if style == "rich":
-        from rich.console import Console
-
-        Console().print(table.rich())
-    else:
-        click.echo(table.render(style))
 
 
 def _notes(data: xr.Dataset) -> None:
     for name in data.data_vars:
         how = data[name].attrs.get("how")
         if how:
-            click.echo(f"{name}: {how}", err=True)
+            printing.note(f"{name}: {how}")
     if data.attrs.get("missing"):
-        click.echo(f"missing: {data.attrs['missing']}", err=True)
+        printing.note(f"missing: {data.attrs['missing']}")
 
 
 def _write(data: xr.Dataset, path: Path) -> None:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import printing
 from .outputs import FORCE, check
+from .paths import INPUT, Output
 
 if TYPE_CHECKING:
     from febkit.model import Where
@@ -22,10 +24,10 @@ if TYPE_CHECKING:
               "and ions as well.")
 @click.option("--set", "pairs", multiple=True, metavar="NAME=VALUE",
               help="Value of a parameter; may be repeated. size=small is a reduced mesh.")
-@click.option("--params", type=click.Path(dir_okay=False, path_type=Path), help="TOML file of parameters.")
+@click.option("--params", type=INPUT, help="TOML file of parameters.")
 @click.option("--template", type=click.Path(file_okay=False, path_type=Path),
               help="Folder with a template.toml and a model.feb of your own.")
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+@click.option("-o", "--output", type=Output(".feb"),
               help="The .feb file to write [default: NAME_CASE.feb].")
 @FORCE
 @click.option("--parameters", is_flag=True, help="List the parameters with units and defaults, and stop.")
@@ -44,7 +46,7 @@ def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, 
 
     template_ = load(name, template)
     if parameters:
-        click.echo(_listing(template_))
+        printing.say(_listing(template_))
         return
     values = template_.values(_given(template_, {"case": case, "physics": physics}, pairs, params))
     target = output or Path(f"{name}_{values['case']}.feb" if "case" in values else f"{name}.feb")
@@ -55,8 +57,8 @@ def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, 
 
     write(model, target, overwrite=force)
     for line in _summary(made.report):
-        click.echo(line)
-    click.echo(f"wrote {target}")
+        printing.say(line)
+    printing.say(f"wrote {target}")
 
 
 def _given(template: Template, choices: dict[str, str | None], pairs: tuple[str, ...],

@@ -7,14 +7,16 @@ from typing import Any
 
 import click
 
-from . import units
+from . import printing, units
+from .labels import names as _names
+from .numbers import FINITE, POSITIVE
 from .outputs import check
+from .paths import INPUT, Output
 
-_FILES = click.Path(exists=True, dir_okay=False, path_type=Path)
 _OUT = click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=Output(".png", ".pdf", ".svg"),
     required=True,
     help="PNG, PDF or SVG to write.",
 )
@@ -28,9 +30,9 @@ def command() -> None:
 
 
 @command.command()
-@click.argument("files", nargs=-1, required=True, type=_FILES)
+@click.argument("files", nargs=-1, required=True, type=INPUT)
 @click.option("-m", "--metric", "metrics", multiple=True, help="Metrics to draw [default: all].")
-@click.option("--until", type=float, help="Last time shown.")
+@click.option("--until", type=POSITIVE, help="Last time shown.")
 @_LABELS
 @units.OPTION
 @_TITLE
@@ -52,8 +54,8 @@ def histories(
 
 
 @command.command()
-@click.argument("files", nargs=-1, required=True, type=_FILES)
-@click.option("--until", type=float, default=1.0, show_default=True, help="Last time shown.")
+@click.argument("files", nargs=-1, required=True, type=INPUT)
+@click.option("--until", type=POSITIVE, default=1.0, show_default=True, help="Last time shown.")
 @_LABELS
 @units.OPTION
 @_TITLE
@@ -69,8 +71,8 @@ def exchange(
 
 
 @command.command("bland-altman")
-@click.argument("control", type=_FILES)
-@click.argument("test", type=_FILES)
+@click.argument("control", type=INPUT)
+@click.argument("test", type=INPUT)
 @units.OPTION
 @_TITLE
 @_OUT
@@ -85,8 +87,8 @@ def bland_altman(control: Path, test: Path, title: str, output: Path, units: str
 
 
 @command.command()
-@click.argument("control", type=_FILES)
-@click.argument("tests", nargs=-1, required=True, type=_FILES)
+@click.argument("control", type=INPUT)
+@click.argument("tests", nargs=-1, required=True, type=INPUT)
 @click.option("--outside", is_flag=True, help="Count values outside the limits instead.")
 @_LABELS
 @units.OPTION
@@ -113,13 +115,13 @@ def errors(
 
 
 @command.command()
-@click.argument("files", nargs=-1, required=True, type=_FILES)
+@click.argument("files", nargs=-1, required=True, type=INPUT)
 @click.option("-f", "--field", default="effective_strain", show_default=True, help="Element field.")
-@click.option("-t", "--time", type=float, help="Time [default: the last].")
+@click.option("-t", "--time", type=FINITE, help="Time [default: the last].")
 @click.option("--normal", type=click.Choice(["x", "y", "z"]), default="y", show_default=True)
-@click.option("--at", type=float, default=0.0, show_default=True, help="Where the plane cuts its normal.")
+@click.option("--at", type=FINITE, default=0.0, show_default=True, help="Where the plane cuts its normal.")
 @click.option("-p", "--part", "parts", multiple=True, help="Parts shown [default: all].")
-@click.option("--window", type=float, nargs=4, help="Left, right, bottom and top of the picture.")
+@click.option("--window", type=FINITE, nargs=4, help="Left, right, bottom and top of the picture.")
 @click.option("--no-arrows", is_flag=True, help="Leave out the arrows of fluid flux.")
 @_LABELS
 @units.OPTION
@@ -144,6 +146,8 @@ def section(
 
     from .metrics import opened
 
+    if window is not None and not (window[0] < window[1] and window[2] < window[3]):
+        raise click.UsageError("--window LEFT RIGHT BOTTOM TOP: left must lie below right, bottom below top")
     _apart(output, *files)
     data = {name: opened(f, units=units) for name, f in zip(_names(files, labels), files)}
     when = float(next(iter(data.values()))[0]["time"].values[-1]) if time is None else time
@@ -154,7 +158,7 @@ def section(
 
 
 @command.command()
-@click.argument("results", type=_FILES)
+@click.argument("results", type=INPUT)
 @click.option(
     "-v",
     "--variable",
@@ -162,18 +166,18 @@ def section(
     show_default=True,
     help='Plot variable or element field: "effective fluid pressure", "stress:xx", "effective_strain".',
 )
-@click.option("-t", "--time", type=float, help="Time [default: the last].")
+@click.option("-t", "--time", type=FINITE, help="Time [default: the last].")
 @click.option("--plane", metavar="AXIS=AT", help='Cut the body open: "x=0" [default: the whole body].')
 @click.option("--arrows", metavar="VECTOR", help='Vector drawn as arrows: "fluid flux".')
 @click.option("-p", "--part", "parts", multiple=True, help='Parts shown; globs work: "cell*" [default: all].')
-@click.option("-m", "--model", type=_FILES, help="Model of the run [default: .feb beside RESULTS].")
-@click.option("--limits", type=float, nargs=2, help="Ends of the colours [default: 1 % and 99 % quantiles].")
+@click.option("-m", "--model", type=INPUT, help="Model of the run [default: .feb beside RESULTS].")
+@click.option("--limits", type=FINITE, nargs=2, help="Ends of the colours [default: 1 % and 99 % quantiles].")
 @click.option("--no-edges", is_flag=True, help="Leave out the edges of the elements.")
-@click.option("--size", type=int, nargs=2, default=(1200, 900), show_default=True, help="Pixels.")
+@click.option("--size", type=click.IntRange(1, 20_000), nargs=2, default=(1200, 900), show_default=True, help="Pixels.")
 @units.OPTION
 @_TITLE
 @click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), required=True, help="PNG to write."
+    "-o", "--output", type=Output(".png"), required=True, help="PNG to write."
 )
 def scene(
     results: Path,
@@ -199,20 +203,14 @@ def scene(
 
     from .metrics import opened
 
-    if output.suffix.lower() != ".png":
-        raise click.UsageError("scenes are written as PNG: give -o a name that ends in .png")
+    if limits is not None and not limits[0] < limits[1]:
+        raise click.UsageError("--limits LOW HIGH: low must lie below high")
     _apart(output, results, *([model] if model else []))
     ds, m = opened(results, model, units)
     plots.scene(
         ds, output, variable, time, plane, parts or None, arrows, m, limits, not no_edges, size, title
     )
-    click.echo(f"wrote {output}")
-
-
-def _names(files: tuple[Path, ...], labels: tuple[str, ...]) -> list[str]:
-    if labels and len(labels) != len(files):
-        raise click.UsageError(f"{len(labels)} labels for {len(files)} files")
-    return list(labels) or [f.stem for f in files]
+    printing.say(f"wrote {output}")
 
 
 def _measured(files: tuple[Path, ...], labels: tuple[str, ...], units: str | None) -> dict[str, Any]:
@@ -229,4 +227,4 @@ def _save(figure: Any, output: Path) -> None:
     from febkit import plots
 
     plots.save(figure, output)
-    click.echo(f"wrote {output}")
+    printing.say(f"wrote {output}")

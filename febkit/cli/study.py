@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import exits, printing
+from .paths import INPUT
+
 if TYPE_CHECKING:
     from febkit.study.plan import Plan
     from febkit.study.run import Outcome, Summary
 
-_STUDY = click.argument("study", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+_STUDY = click.argument("study", type=INPUT)
 _SET = click.option(
     "--set", "overrides", multiple=True, metavar="TABLE.NAME=VALUE", help="Change an entry of STUDY."
 )
@@ -46,14 +49,14 @@ def run(study: Path, overrides: tuple[str, ...], scheduler: str, quiet: bool) ->
     else:
         summary = _with_progress(plan, scheduler)
     for o in summary.failed:
-        click.echo(f"failed: {o.label}: {o.message}", err=True)
+        printing.note(f"failed: {o.label}: {o.message}")
     if not quiet:
-        click.echo(
+        printing.say(
             f"{len(summary.done)} steps done, {summary.reused} kept, {len(summary.failed)} failed, "
             f"{len(summary.skipped)} waiting for them; results in {plan.study.folder}"
         )
     if not summary.complete:
-        sys.exit(1)
+        raise click.exceptions.Exit(exits.NO)
 
 
 @command.command()
@@ -64,14 +67,12 @@ def status(study: Path, overrides: tuple[str, ...]) -> None:
     from febkit import study as studies
     from febkit.metrics.tables import Table
 
-    from .metrics import emit
-
     plan = _plan(study, overrides)
     columns = ["done", "done, files dropped", "failed", "to do", "seconds"]
     rows = [[r["kind"], *(r.get(c, 0) for c in columns)] for r in studies.status(plan)]
-    emit(Table(plan.study.name, ["step", *columns], rows), "rich" if sys.stdout.isatty() else "text")
+    printing.table(Table(plan.study.name, ["step", *columns], rows))
     for label, why in studies.failures(plan):
-        click.echo(f"failed: {label}: {why}")
+        printing.say(f"failed: {label}: {why}")
 
 
 @command.command()
@@ -92,13 +93,11 @@ def report(study: Path, overrides: tuple[str, ...], output: Path | None, no_figu
     from febkit.study import write_report
     from febkit.study.report import pattern_tables
 
-    from .metrics import emit
-
     plan = _plan(study, overrides)
     for table in pattern_tables(plan):
-        emit(table, "rich" if sys.stdout.isatty() else "text")
+        printing.table(table)
     for path in write_report(plan, output or plan.study.folder / "report", figures=not no_figures):
-        click.echo(f"wrote {path}")
+        printing.say(f"wrote {path}")
 
 
 def _plan(study: Path, overrides: tuple[str, ...]) -> Plan:
@@ -113,11 +112,11 @@ def _with_progress(plan: Plan, scheduler: str) -> Summary:
     from febkit.study.run import carry_out
 
     if not sys.stdout.isatty():
-        return carry_out(plan, scheduler, lambda done, total, o: click.echo(f"[{done}/{total}] {_line(o)}"))
+        return carry_out(plan, scheduler, lambda done, total, o: printing.say(f"[{done}/{total}] {_line(o)}"))
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     with Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+        TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     ) as bar:
         task = bar.add_task("starting", total=None)
 

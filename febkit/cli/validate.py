@@ -6,16 +6,19 @@ from pathlib import Path
 
 import click
 
+from . import exits, printing
+from .paths import INPUT
+
 SEVERITIES = ("error", "unsupported", "warning", "hint")
 
 
 @click.command("validate", context_settings={"max_content_width": 110})
 @click.argument("files", nargs=-1, required=True,
-                type=click.Path(exists=True, dir_okay=False, path_type=Path))
+                type=INPUT)
 @click.option("--solver/--no-solver", default=True, show_default=True,
               help="Also ask whether febkit can solve it.")
 @click.option("--strict", is_flag=True, help="Warnings count as errors.")
-@click.option("-q", "--quiet", is_flag=True, help="Errors only.")
+@click.option("-q", "--quiet", is_flag=True, help="Print only what makes the exit code 2.")
 def command(files: tuple[Path, ...], solver: bool, strict: bool, quiet: bool) -> None:
     """Check .feb inputs offline: tags, references, curves, elements; say what febkit cannot solve.
 
@@ -27,18 +30,18 @@ def command(files: tuple[Path, ...], solver: bool, strict: bool, quiet: bool) ->
     """
     from febkit.feb import validate
 
-    bad = False
+    bad, fatal = False, ("error", "unsupported", *(["warning"] if strict else []))
     for file in files:
         found = validate(file, solvable=solver)
         counts = {s: sum(f.severity == s for f in found) for s in SEVERITIES}
-        bad |= counts["error"] + counts["unsupported"] + (counts["warning"] if strict else 0) > 0
+        bad |= any(counts[s] for s in fatal)
         for f in found:
-            if not quiet or f.severity == "error":
-                click.echo(str(f))
+            if not quiet or f.severity in fatal:
+                printing.say(f)
         if not quiet:
-            click.echo(f"{file}: {_verdict(counts, solver)}")
+            printing.say(f"{file}: {_verdict(counts, solver)}")
     if bad:
-        raise click.exceptions.Exit(2)
+        raise click.exceptions.Exit(exits.BAD_INPUT)
 
 
 def _verdict(counts: dict[str, int], solver: bool) -> str:

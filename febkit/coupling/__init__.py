@@ -29,6 +29,10 @@ __all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "check
            "series", "surface_nodes", "with_solutes", "write", "write_section"]
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})
+
+
 def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)

@@ -71,13 +71,10 @@ def checked(ds: xr.Dataset, name: str = "driving data") -> xr.Dataset:
 
 
 def _netcdf(path: Path) -> xr.Dataset:
-    import xarray as xr
+    from febkit.results import netcdf
 
-    try:
-        with xr.open_dataset(path) as ds:
-            return ds.load()
-    except (OSError, ValueError) as e:
-        raise InputError(f"{path}: not a NetCDF file that can be read ({e})") from None
+    with netcdf.opened(path) as ds:
+        return ds.load()
 
 
 def _csv(path: Path) -> xr.Dataset:
@@ -192,5 +189,5 @@ def read_points(path: str | PathLike[str]) -> tuple[Floats, list[str]]:
             points.append([float(row[head.index(a)]) for a in "xyz"])
             names.append(row[column] if column is not None else str(len(names)))
         except (ValueError, IndexError):
-            raise InputError(f"{','.join(row)!r} is no point x,y,z", Where(str(p), line)) from None
+            raise InputError(f"{','.join(row)[:60]!r} is no point x,y,z", Where(str(p), line)) from None
     return np.array(points), names

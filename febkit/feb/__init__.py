@@ -20,6 +20,10 @@ _LAZY = {
 __all__ = ["Difference", "Finding", "diff", "read", "read_bytes", "to_bytes", "validate", "write"]
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY})
+
+
 def __getattr__(name: str) -> object:
     if name in _LAZY:
         from importlib import import_module

@@ -21,7 +21,9 @@ def to_bytes(model: Model, version: str | None = None) -> tuple[bytes, list[str]
     version 4.0 differs from them only where it was edited.
     """
     model = as_record(model)
-    version = version or (model.version if model.document is not None else "4.0")
+    if not isinstance(model, Model):
+        raise TypeError(f"write(model, path) takes a model first, not {type(model).__name__}")
+    version = str(version or (model.version if model.document is not None else "4.0"))
     doc = model.document
     notes: list[str] = []
     remarks: dict[str, list[str]] = {}

@@ -1,11 +1,11 @@
-"""Printable tables: text, markdown, CSV and rich from the same rows."""
+"""Printable tables: text, markdown and CSV from the same rows."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -41,12 +41,17 @@ class Table:
         lines += ["| " + " | ".join(r) + " |" for r in self.cells()]
         return "\n".join([*lines, *(["", self.note] if self.note else [])]) + "\n"
 
-    def text(self) -> str:
+    def text(self, width: int | None = None) -> str:
+        """Columns in line; where they are wider than ``width``, in bands that each begin with the first column."""
         body = [list(self.columns), *self.cells()]
-        width = [max(len(r[k]) for r in body) for k in range(len(self.columns))]
-        lines = ["  ".join([r[0].ljust(width[0]), *map(str.rjust, r[1:], width[1:])]) for r in body]
-        lines.insert(1, "  ".join("-" * w for w in width))
-        return "\n".join([t for t in (self.title, *lines, self.note) if t]) + "\n"
+        wide = [max(len(r[k]) for r in body) for k in range(len(self.columns))]
+        lines: list[str] = []
+        for band in _bands(wide, width):
+            lines += [""] * bool(lines)
+            rows = [[r[k].ljust(wide[k]) if k == 0 else r[k].rjust(wide[k]) for k in band] for r in body]
+            rows.insert(1, ["-" * wide[k] for k in band])
+            lines += ["  ".join(r).rstrip() for r in rows]
+        return "\n".join([*([self.title] if self.title else []), *lines, *([self.note] if self.note else [])]) + "\n"
 
     def csv(self) -> str:
         import csv
@@ -57,19 +62,24 @@ class Table:
         writer.writerows([["" if v is None else v for v in row] for row in self.rows])
         return out.getvalue()
 
-    def rich(self) -> Any:
-        from rich.table import Table as RichTable
-
-        table = RichTable(title=self.title or None, caption=self.note or None)
-        for k, name in enumerate(self.columns):
-            table.add_column(name, justify="left" if k == 0 else "right")
-        for row in self.cells():
-            table.add_row(*row)
-        return table
-
     def render(self, style: str) -> str:
         """``style`` is "text", "markdown" or "csv"."""
         return {"text": self.text, "markdown": self.markdown, "csv": self.csv}[style]()
+
+
+def _bands(wide: Sequence[int], width: int | None) -> list[list[int]]:
+    """Columns that stand side by side: the first, and as many others as ``width`` has room for, at least one."""
+    if not width:
+        return [list(range(len(wide)))]
+    bands: list[list[int]] = []
+    left = -1
+    for k in range(1, len(wide)):
+        if wide[k] + 2 > left:
+            bands.append([0])
+            left = width - wide[0]
+        bands[-1].append(k)
+        left -= wide[k] + 2
+    return bands or [[0]]
 
 
 def _text(v: object) -> str:

@@ -30,7 +30,7 @@ class LogListener(Listener):
 
     def _flush(self) -> None:
         text, self._text = "".join(self._text), []
-        self.output.write(text.encode())
+        self.output.write(text.encode(errors="surrogateescape"))
 
     def warn(self, message: str) -> None:
         self.write(f" *  WARNING\n * {message}\n\n")

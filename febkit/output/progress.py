@@ -43,6 +43,7 @@ class ProgressListener(Listener):
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+        self._said = time.monotonic()  # a run of seconds says nothing on its way
         self._total = sum(
             s.duration if s.duration is not None else s.dt * s.count for s in run.problem.steps
         )
@@ -50,8 +51,8 @@ class ProgressListener(Listener):
         if not console.is_terminal:
             return
         self._bar = Progress(
-            TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(),
-            TextColumn("{task.fields[state]}"), console=console,
+            TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(),
+            TextColumn("{task.fields[state]}", markup=False), console=console,
         )  # fmt: skip
         self._task = self._bar.add_task(self.title, total=self._total, state="")
         self._bar.start()

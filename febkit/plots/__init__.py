@@ -19,10 +19,14 @@ _NAMES = {
 __all__ = list(_NAMES)
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_NAMES})
+
+
 def __getattr__(name: str) -> Any:
     """Load a name's module when it is first used: importing febkit.plots costs nothing."""
     from importlib import import_module
 
     if name not in _NAMES:
-        raise AttributeError(name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)

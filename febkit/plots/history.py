@@ -10,6 +10,7 @@ import numpy as np
 from febkit.metrics.agreement import in_units_of
 from febkit.metrics.cells import METRICS
 from febkit.metrics.tables import with_unit
+from febkit.model import InputError
 
 from . import canvas
 
@@ -30,6 +31,10 @@ def histories(
     first = next(iter(results.values()))
     results = {label: in_units_of(first, ds) for label, ds in results.items()}
     names = [m for m in (metrics or METRICS) if m in first]
+    unknown = [m for m in metrics or () if m not in first]
+    if unknown or not names:
+        what = f"no metric {unknown[0]!r}" if unknown else "no metrics"
+        raise InputError(f"there is {what} in the first result; it has {', '.join(map(str, first.data_vars))}")
     figure, axes = canvas.grid(len(names), len(results), sharex="col", sharey="row")
     for c, (label, ds) in enumerate(results.items()):
         t = np.asarray(ds["time"].values, dtype=float)

@@ -40,9 +40,19 @@ def save(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = True, *
             raise InputError(f"the file cannot be written: {e}; is the disk full?", Where(os.fspath(path))) from None
 
 
+def opened(path: str | os.PathLike[str], chunks: Any = None) -> xr.Dataset:
+    """A NetCDF file as it is. Raises InputError where it is none."""
+    try:
+        return xr.open_dataset(path, engine="netcdf4", chunks=chunks)
+    except (FileNotFoundError, PermissionError, IsADirectoryError):
+        raise
+    except (OSError, ValueError):  # what the library says of it begins with a number of its own
+        raise InputError("not a NetCDF file, or one that was cut short", Where(os.fspath(path))) from None
+
+
 def open_netcdf(path: str | os.PathLike[str], chunks: Any = None) -> xr.Dataset:
     """Read back, with lists of names and numbers as lists again."""
-    ds = xr.open_dataset(path, engine="netcdf4", chunks=chunks)
+    ds = opened(path, chunks)
     for attrs in (ds.attrs, *(v.attrs for v in ds.variables.values())):
         for key in _LISTS:
             if isinstance(attrs.get(key), str):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import subprocess
 import sys
 from collections.abc import Callable
@@ -71,3 +72,14 @@ def start(tmp_path: Path):
     for job in jobs:
         job.kill()
         job.communicate()
+
+
+@pytest.fixture(scope="session")
+def plug() -> str:
+    """Text of a .feb: a biphasic plug, pressed and held."""
+    path = Path(__file__).parents[2] / "examples" / "unconfined_compression.py"
+    spec = importlib.util.spec_from_file_location("plug", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return str(module.text(1, 1, 150.0))

@@ -127,7 +127,6 @@ def test_options_write_a_file(folder, extra):
     (["tissue.nc", "cell.feb", "--at", "0,0,0", "--origin", "9,9,9"], "far outside the cell model"),
     (["tissue.nc", "cell.feb", "--at", "0,0,0", "--set", "none"], 'no node set "none"'),
     (["tissue.nc", "cell.feb", "--at", "0,0,0", "--times", "0,5"], "the result covers 0 to 1"),
-    (["none.nc", "cell.feb", "--at", "0,0,0"], "no such file"),
     (["experiment.csv", "cell.feb", "--at", "0,0,0"], "holds F.t. already: --at"),
     (["experiment.csv", "cell.feb", "--order", "2"], 'hold no "G"'),
     (["tissue.nc", "--at", "0,0,0", "--overlay", "--dataset", "s.nc"], "makes no series"),

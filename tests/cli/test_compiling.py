@@ -113,6 +113,6 @@ def test_numbas_pickles_damaged(tmp_path: Path) -> None:
 def test_no_writable_folder_is_said_once(tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file, where a folder should be")
     out, err = _run(tmp_path, native="0")
-    assert out.count("cannot be kept") == 1 and "FEBKIT_CACHE" in out
+    assert err.count("cannot be kept") == 1 and "FEBKIT_CACHE" in err
     assert "compiling the kernels" in err and "took" in out and "once on this" not in out + err
     assert (tmp_path / "one.log").read_text().count("cannot be kept") == 1

@@ -18,7 +18,7 @@ def run(*args):
 def test_down_and_up(tmp_path):
     for version in ("3.0", "2.5"):
         done = run(V4, tmp_path / "old.feb", "--to", version, "--force")
-        assert done.exit_code == 0 and f"febio_spec {version}, 0 notes" in done.output
+        assert done.exit_code == 0 and f"(febio_spec {version}, 0 notes)" in done.output
         assert read(tmp_path / "old.feb").version == version
         assert run(tmp_path / "old.feb", tmp_path / "new.feb", "--force").exit_code == 0
         assert diff(read(V4), read(tmp_path / "new.feb")) == []

@@ -48,7 +48,7 @@ def test_deformed_points_and_chosen_variables(plot: Path) -> None:
     reference = results.open(plot)["X"].values
     np.testing.assert_array_equal(m.points, reference + (10 + np.arange(36)).reshape(12, 3))
     assert set(m.cell_data) == {"element_id", "part"}
-    with pytest.raises(InputError, match="no variable 'wrong'"):
+    with pytest.raises(InputError, match='no variable "wrong"; there are displacement'):
         export(plot, plot.with_name("c.vtu"), variables=("wrong",))
 
 

@@ -1,0 +1,5 @@
+"""``python -m febkit``."""
+
+from febkit.cli.main import main
+
+main()
