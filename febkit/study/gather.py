@@ -17,14 +17,22 @@ if TYPE_CHECKING:
 
 
 def finished(plan: Plan) -> Iterator[tuple[Place, xr.Dataset]]:
-    """Metrics there are, by place."""
+    """Metrics there are, by place, in the units of the first.
+
+    Raises InputError where some results name their units and some do not.
+    """
     import xarray as xr
 
+    from febkit.metrics.agreement import in_units_of
+
     store = Store(plan.study.folder)
+    first: xr.Dataset | None = None
     for where, step in plan.metrics.items():
         if store.has(step.key):
             with xr.open_dataset(store.path(step.key) / METRICS) as ds:
-                yield where, ds.load()
+                own = ds.load()
+            first = own if first is None else first
+            yield where, in_units_of(first, own)
 
 
 def results(plan: Plan) -> xr.Dataset:

@@ -293,6 +293,34 @@ def test_results_of_several_seeds(tmp_path, monkeypatch):
         assert ds["volume"].sel(case="A", handoff=place.method, point=place.point, seed=seed).item() == n
 
 
+def test_results_are_gathered_in_one_unit(tmp_path, monkeypatch):
+    """What an older febkit measured in MPa beside kPa; plain numbers beside named ones are refused."""
+    import xarray as xr
+
+    p = plan_of(tmp_path)
+    monkeypatch.setattr(work, "KINDS", {k: lambda job: None for k in work.KINDS})
+    units = iter(["kPa", "MPa", "kPa", "Pa", "kPa", "kPa"])
+
+    def measure(job):
+        unit = next(units)
+        value = {"kPa": 2.0, "MPa": 2e-3, "Pa": 2e3}[unit]
+        data = {"effective_stress": (("cell", "time"), [[value]], {"units": unit})}
+        xr.Dataset(data, {"cell": ["a"], "time": [1.0]}).to_netcdf(job.folder / work.METRICS)
+
+    work.KINDS["measure"] = measure
+    assert study.carry_out(p, "serial").complete
+    found = study.results(p)["effective_stress"]
+    assert found.attrs["units"] == "kPa"
+    np.testing.assert_allclose(found, 2.0, rtol=1e-15)
+    path = next(tmp_path.rglob(work.METRICS))
+    with xr.open_dataset(path) as ds:
+        plain = ds.load()
+    del plain["effective_stress"].attrs["units"]
+    plain.to_netcdf(path)
+    with pytest.raises(InputError, match="units that nobody named"):
+        study.results(p)
+
+
 def test_nothing_is_done_twice(tmp_path, pretended):
     p = plan_of(tmp_path)
     first = study.carry_out(p, "serial")
