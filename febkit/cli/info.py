@@ -87,7 +87,8 @@ def _range(v: VariableSummary) -> str:
     if all(x != x for x in v.low):
         return "no data"
     spans = [f"{c}[{a:.4g}, {b:.4g}]" for c, a, b in zip(v.components, v.low, v.high)]
-    return " ".join(spans[:9]) + (" ..." if len(spans) > 9 else "")
+    unit = f" {v.units}" if v.units not in ("", "1") else ""
+    return " ".join(spans[:9]) + (" ..." if len(spans) > 9 else "") + unit
 
 
 def _log_lines(file: Path) -> Iterator[str]:

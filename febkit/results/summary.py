@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from febkit import units
+
 from .fields import components
+from .variables import unit_symbol
 from .xplt.reader import PlotFile
 from .xplt.records import PlotVariable
 
@@ -21,7 +24,7 @@ class VariableSummary:
     section: str
     format: str
     type: str
-    units: str | None
+    units: str  # "" where they are not known
     components: tuple[str, ...]
     low: tuple[float, ...]  # NaN where there are no data
     high: tuple[float, ...]
@@ -76,6 +79,7 @@ def summarize(path: str | os.PathLike[str], every: bool = False) -> PlotSummary:
 
 
 def _variables(f: PlotFile, states: np.ndarray) -> Iterator[VariableSummary]:
+    system = units.system(f.header.units)
     for i, v in enumerate(f.variables):
         if v.section == "material":
             continue
@@ -86,7 +90,9 @@ def _variables(f: PlotFile, states: np.ndarray) -> Iterator[VariableSummary]:
                 low, high = np.fmin(low, a), np.fmax(high, b)
         none = low > high
         low[none] = high[none] = np.nan
-        yield VariableSummary(v.name, v.section, v.format, v.type, v.units, labels, tuple(low), tuple(high))
+        symbol = v.units or unit_symbol(v.name)
+        unit = system.of(symbol) if system else symbol if symbol == "1" else ""
+        yield VariableSummary(v.name, v.section, v.format, v.type, unit, labels, tuple(low), tuple(high))
 
 
 def _ranges(f: PlotFile, i: int, t: int, n: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -166,6 +166,16 @@ def test_numbers_are_plain_where_nobody_names_units(runs: Path, unnamed: Path) -
         assert ds["Lagrange_strain"].attrs["units"] == "1"
 
 
+def test_info_names_units_where_they_are_known(runs: Path, unnamed: Path) -> None:
+    def ends(path: Path) -> dict[str, str]:
+        lines = call("info", path)[0].splitlines()
+        found = {n: next(x for x in lines if x.startswith(f"  {n}  ")) for n in ("displacement", "stress")}
+        return {n: x.rpartition("] ")[2] for n, x in found.items()}
+
+    assert ends(runs / "SI.xplt") == {"displacement": "m", "stress": "Pa"}
+    assert all(x.endswith("]") for x in ends(unnamed).values())
+
+
 def test_units_can_be_told(runs: Path, unnamed: Path) -> None:
     told, said = call("metrics", unnamed, "--units", "um-nN-s", "--style", "csv")
     named, _ = call("metrics", runs / "um-nN-s.xplt", "--style", "csv")
