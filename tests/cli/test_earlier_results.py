@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 import os
-import random
 import re
 import resource
 import signal
 import time
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 import febkit as package
 from febkit.results.xplt.reader import PlotFile
+from helpers.killed import kill_at_random, states
 
 HIDDEN = ".febkit.m.xplt"
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits differ on Windows")
-
-
-def states(path: Path) -> int:
-    with PlotFile(path) as f:
-        for t in range(len(f.states)):  # every one can be read
-            assert all(np.isfinite(v).all() for i in range(len(f.variables)) for _, v in f.regions(i, t))
-        return len(f.states)
 
 
 def wait(true, seconds: float = 60.0) -> None:
@@ -102,32 +93,13 @@ def test_a_dead_run_blocks_nothing(tmp_path, febkit, start, model) -> None:
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
-@pytest.mark.parametrize("seed", [1])
-def test_killed_at_random_moments(tmp_path, febkit, start, model, seed: int, kills: int = 10) -> None:
-    """The plotfile opens with every state that the log announced; the earlier one stays until there is a new one."""
-    (tmp_path / "m.feb").write_text(model(steps=7))
-    febkit("run", "m.feb")
-    (tmp_path / "m.feb").write_text(model(steps=1000))
-    earlier = (tmp_path / "m.xplt").read_bytes()
-    once = time.monotonic()
-    assert start("run", "m.feb", "-p", "whole.xplt", "-o", "whole.log").wait(timeout=300) == 0
-    whole = time.monotonic() - once
-    rng = random.Random(seed)
-    fresh = 0
-    for k in range(kills):
-        (tmp_path / "m.xplt").write_bytes(earlier)
-        (tmp_path / "m.log").write_text("febkit of an earlier run\n")
-        job = start("run", "m.feb", "-silent")
-        time.sleep(whole * ((k + rng.random()) / kills))
-        job.kill()
-        job.communicate()
-        if (tmp_path / "m.xplt").read_bytes() == earlier:
-            continue
-        fresh += 1
-        log = (tmp_path / "m.log").read_text()
-        assert "earlier run" not in log or states(tmp_path / "m.xplt") >= 2
-        assert states(tmp_path / "m.xplt") >= 1 + log.count("converged at time"), "a state for each that is announced"
-    assert fresh, "killed too early each time to show anything"
+def test_killed_at_random_moments(tmp_path, model) -> None:
+    """The plotfile opens with every state that the log announced; the earlier one stays until there is a new one.
+
+    tests/benchmarks/killed.py does it 50 times.
+    """
+    found = kill_at_random(tmp_path, model(steps=7), model(steps=1000), kills=10, seed=1)
+    assert found.within + found.whole, "killed too early each time to show anything"
 
 
 def test_a_full_disk(tmp_path, febkit, model) -> None:
