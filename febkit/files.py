@@ -14,7 +14,6 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from hashlib import sha256
 from io import FileIO
 from itertools import count
 from pathlib import Path
@@ -87,15 +86,15 @@ def is_ours(path: PathLike, what: str, where: Where | None = None) -> None:
         return
     with open(target, "rb") as f:
         head = f.read(4096)
-    if head and not _MARKS[what].match(head):
+    if head and not re.match(_MARKS[what], head):
         raise InputError(f"{_at(path, where)}this file exists already and is no {what}; a run replaces nothing but "
                          "results: give another name, or remove it", where)  # fmt: skip
 
 
 _MARKS = {
-    "plotfile": re.compile(rb"BEF\0|\0FEB"),
-    "log": re.compile(rb"febkit | \*  WARNING|(?s:.*)={20}"),  # FEBio's begins with a frame
-    "data file": re.compile(rb"\s*(\*Step|[-+.\d])"),
+    "plotfile": rb"BEF\0|\0FEB",
+    "log": rb"febkit | \*  WARNING|(?s:.*)={20}",  # FEBio's begins with a frame
+    "data file": rb"\s*(\*Step|[-+.\d])",
 }
 
 
@@ -190,6 +189,8 @@ def _beside(target: Path, tag: str = "") -> Path:
     """A hidden name in the same folder, of the same ending."""
     name = f".febkit{tag}.{target.name}"
     if len(os.fsencode(name)) > _NAME_MAX:
+        from hashlib import sha256
+
         name = f".febkit{tag}.{sha256(os.fsencode(target.name)).hexdigest()[:16]}{target.suffix[-16:]}"
     return target.with_name(name)
 
