@@ -81,6 +81,7 @@ class Scene:
         self.name, self.verb, self.folder = name, outputs.VERBS[name], folder / "here"
         shutil.copytree(kit, self.folder)
         os.link(self.folder / "a.nc", self.folder / "linked.png")
+        os.link(self.folder / "m.feb", self.folder / "linked.xplt")
         self.out = self.folder / self.verb.out if self.verb.out else None
         self.before = self.files()
 

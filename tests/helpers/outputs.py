@@ -52,7 +52,7 @@ VERBS = {
                   "report none.toml -o report", "", "report/metrics.nc", "",
                   {"killed in mid-run": "finished steps are kept", "two at once": "of `study run`: 2, one at a time"}),
     "run": Verb("runs", "m.feb -p OUT -o m.log", "bad.feb -p OUT -o m.log", "none.feb -p OUT -o m.log",
-                "m.feb -p m.feb -o m.log", "new.xplt"),
+                "m.feb -p linked.xplt -o m.log", "new.xplt"),
 }  # fmt: skip
 
 # what a cell says; the tests of the same name hold the verbs to it
