@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .convergence import NotConverged
 from .group import ElementFailure
 
 if TYPE_CHECKING:
@@ -24,56 +25,50 @@ LEAST = 1.0 / 256  # of Newton's direction that is worth taking
 MOST = 60  # iterations
 
 
-def solve(newton: Newton) -> None:
-    """Solve the present time step. Raises NotConverged, NotFinite and LinearError."""
-    from .newton import Norms, NotConverged
+class Guarded:
+    """See above."""
 
-    system, norms, done = newton.system, Norms(), 0.0
-    before, after = system.state.d.copy(), newton.targets()
-    newton.target, newton.increment = after, np.zeros_like(newton.total)
-    given = np.zeros_like(newton.total)
-    given[newton.given] = (system.gather(after) - system.gather(before))[newton.given]
-    system.progress.iterations = system.progress.augmentations = 0
-    system.update()
-    newton.qn.reset()
-    newton.qn.begin()
-    newton.force_reform = False
-    R = newton.residual()
-    for _ in range(MOST):
-        A, Fd = newton.tangent((1.0 - done) * given)
-        newton.invert(A)
-        R0 = R + Fd
-        u = newton.on_rows(newton.inverse.refined, R0)
-        if not np.isfinite(u).all():
-            raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
-        s = _guard(newton, u, before + done * (after - before), (1.0 - done) * (after - before))
-        done = 1.0 if s == 1.0 else done + s * (1.0 - done)
-        R = newton.residual()
-        _, converged = newton.judge(u, s, R0, R, norms)
-        newton.count.iterations += 1
-        system.progress.iterations = newton.count.iterations
-        if converged and done == 1.0:
-            if not newton.augments or newton.augment():
-                return
-            R = newton.residual()
-    raise NotConverged(f"{MOST} guarded Newton steps did not converge")
+    def __init__(self, newton: Newton) -> None:
+        self.newton = newton
+        self.stale = self.renewed = False
 
+    def solve(self) -> None:
+        """Solve the present time step. Raises NotConverged, NotFinite and LinearError."""
+        n, done = self.newton, 0.0
+        before = n.system.state.d.copy()
+        given, after = n.begin(), n.target
+        R = n.residual()
+        for _ in range(MOST):
+            A, Fd = n.tangent((1.0 - done) * given)
+            n.invert(A, limited=False)
+            R0 = R + Fd
+            u = n.on_rows(n.inverse.refined, R0)
+            if not np.isfinite(u).all():
+                raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
+            s = self._go(u, before + done * (after - before), (1.0 - done) * (after - before))
+            done = 1.0 if s == 1.0 else done + s * (1.0 - done)
+            R = n.residual()
+            _, converged = n.judge(u, s, R0, R, 0)
+            n.count.iterations += 1
+            n.system.progress.iterations = n.count.iterations
+            if converged and done == 1.0:
+                if not n.augments or n.augment():
+                    return
+                R = n.residual()
+        raise NotConverged(f"{MOST} guarded Newton steps did not converge")
 
-def _guard(newton: Newton, u: Floats, target: Floats, ahead: Floats) -> float:
-    """Go along u, and from ``target`` along ``ahead`` where prescribed, as far as all points keep enough of their
-    volume; the part that was gone."""
-    from .newton import NotConverged
-
-    system, s = newton.system, 1.0
-    J = [g.J.copy() for g in system.groups]
-    why = "no part of Newton's direction leaves the elements as they should be"
-    while s >= LEAST:
-        try:
-            with newton.clock("stress update"):
-                system.set(newton.total, newton.increment, s * u, target + s * ahead)
-            if all((KEPT * old <= g.J).all() for g, old in zip(system.groups, J)):
-                return s
-        except ElementFailure as e:
-            why = str(e)
-        s *= 0.5
-    raise NotConverged(why)
+    def _go(self, u: Floats, target: Floats, ahead: Floats) -> float:
+        """Go along u, and from ``target`` along ``ahead`` where prescribed, as far as all points keep enough of their
+        volume; the part that was gone."""
+        system, s = self.newton.system, 1.0
+        J = [g.J.copy() for g in system.groups]
+        why = "no part of Newton's direction leaves the elements as they should be"
+        while s >= LEAST:
+            try:
+                self.newton.move(s * u, target + s * ahead)
+                if all((KEPT * old <= g.J).all() for g, old in zip(system.groups, J)):
+                    return s
+            except ElementFailure as e:
+                why = str(e)
+            s *= 0.5
+        raise NotConverged(why)

@@ -15,8 +15,8 @@ from .fields import DISPLACEMENT
 from .finite import NotFinite, check_parameters, check_state
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
-from .newton import EASY, Counts, Iteration, Newton, NotConverged
-from .problem import Problem, Step
+from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
+from .problem import NewtonOptions, Problem, Step
 from .result import Result, Totals
 from .route import Route
 from .saving import wanted
@@ -217,7 +217,8 @@ class Run:
             make, reuse = route.decide()
         except LinearError as e:
             return str(e)
-        newton = Newton(self.system, make, lambda it: self.tell("iteration", it), self.clock, reuse)
+        watch = lambda it: self.tell("iteration", it)  # noqa: E731
+        newton = Newton(self.system, make, watch, self.clock, reuse, self._newton_options())
         self.totals.linear_solver = newton.inverse.solver.name
         self._begin(step)
         try:
@@ -248,21 +249,27 @@ class Run:
         self._save("step")
         return ""
 
+    def _newton_options(self) -> NewtonOptions:
+        """Those of the file; increments are as small as the error that steps of their own size may have."""
+        o, most = self.step.newton, self.options.accuracy
+        if not most:
+            return o
+        given = {f.option: o.tolerance(f) for f in self.state.layout.fields}
+        return replace(o, tolerances={n: min(tol, most) if tol > 0 else tol for n, tol in given.items()})
+
     def _second_order(self, newton: Newton) -> SecondOrder | None:
         if not self.options.accuracy:
             return None
         why = refusal(self.problem)
         if why:
             raise ValueError(why)
-        o, most = self.step.newton, self.options.accuracy
-        given = {f.option: o.tolerance(f) for f in self.state.layout.fields}
-        newton.options = replace(o, tolerances={n: min(tol, most) if tol > 0 else tol for n, tol in given.items()})
         return SecondOrder(self.state, self.groups, newton, self.options.accuracy)
 
     def _time_step(self, newton: Newton) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
         before = StepState(s, [*self.groups, *self.system.acting, newton])
+        how = newton.usual
         if self.integrator is not None:
             self.integrator.begin()
         while True:
@@ -272,19 +279,20 @@ class Run:
                 s.time = step.end
             self.tell("begin_step", self.count + 1, t)
             try:
-                counts, good = self._attempt(newton)
+                counts, good = self._attempt(newton, how)
             except (NotConverged, NotFinite, ElementFailure, LinearError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 before.restore()
-                if newton.stale:  # once more with tangents of its own, in all stages, before the step is cut
-                    newton.force_reform, newton.leans = True, False
+                if how.stale:  # once more with tangents of its own, in all stages, before the step is cut
+                    how = newton.fresh
                     continue
-                fatal = _hopeless(e) or not self._again(newton, e)
-                how = "; again by guarded Newton steps" if newton.guarded and not fatal else ""
-                self.tell("failed", why + how, None if fatal else step.dt)
-                if fatal:
+                other = None if _hopeless(e) else self._again(newton, how, e)
+                said = "; again by guarded Newton steps" if other is newton.guarded else ""
+                self.tell("failed", why + said, None if other is None else step.dt)
+                if other is None:
                     return f"{why}, at time {t:g}{self._retried(e)}"
+                how = other
                 self.totals.retries += 1
                 continue
             self._add(counts)
@@ -298,32 +306,28 @@ class Run:
                 continue
             self.count += 1
             self.totals.steps += 1
-            self.totals.guarded += newton.guarded
-            newton.guarded, newton.leans = False, True
+            self.totals.guarded += how is newton.guarded
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
-            step.accept(s.time, min(counts.iterations, EASY) if newton.stale else counts.iterations)
+            step.accept(s.time, min(counts.iterations, EASY) if how.stale else counts.iterations)
             if step.vanishing and step.end > s.time:
                 return f"the time step has shrunk to {step.dt:g}, at time {s.time:g}"
             return ""
 
-    def _again(self, newton: Newton, e: Exception) -> bool:
-        """Make ready for another try at the present step; False where there is none.
+    def _again(self, newton: Newton, how: Strategy, e: Exception) -> Strategy | None:
+        """Make ready for another try at the present step, and say how it is solved; None where there is none.
 
         FEBio's way is a smaller step, until its retries are spent. Where elements turned inside out then, the step
         is tried by guarded Newton steps, as is every later one that fails, before it is halved.
         """
         step = self.stepper
         assert step is not None
-        newton.force_reform = True
-        if step.beyond and not newton.guarded:
-            newton.guarded = True
-            return True
+        if step.beyond and how is not newton.guarded:
+            return newton.guarded
         if step.retry():
-            return True
-        newton.guarded = isinstance(e, ElementFailure) and step.persist()
-        return newton.guarded
+            return newton.guarded if how is newton.guarded else newton.fresh
+        return newton.guarded if isinstance(e, ElementFailure) and step.persist() else None
 
     def _retried(self, e: Exception) -> str:
         """What a final failure adds: the retries that were made."""
@@ -333,14 +337,14 @@ class Run:
         how = "halvings by guarded Newton steps beyond the file's retries," if step.beyond else "retries"
         return f", after {step.retries} {how} down to a step of {step.dt:g}"
 
-    def _attempt(self, newton: Newton) -> tuple[Counts, bool]:
+    def _attempt(self, newton: Newton, how: Strategy) -> tuple[Counts, bool]:
         """Solve the step to the present time; was its error small enough?"""
         if self.integrator is None:
             self._prepare()
-            return newton.step(), True
+            return newton.step(how), True
         s, dt = self.state, self.state.dt
         s.time -= dt
-        counts, error = self.integrator.solve(dt, self._prepare)
+        counts, error = self.integrator.solve(dt, self._prepare, how)
         assert isinstance(self.stepper, ErrorSteps)
         return counts, self.stepper.judge(error)
 

@@ -8,14 +8,13 @@ size gamma dt: the first from J_n to t + gamma dt, the second to t + dt from J_n
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .group import Group
-from .newton import Counts, Newton
+from .newton import Counts, Newton, Strategy
 from .problem import TRANSIENT, Problem
 from .solids import history
 from .state import State
@@ -55,24 +54,25 @@ class SecondOrder:
         """Remember the state that steps start from."""
         self._past = [*self._past[-2:], (self.state.time, self.state.d.copy())]
 
-    def solve(self, dt: float, prepare: Callable[[], None]) -> tuple[Counts, float]:
-        """Step by ``dt``; ``prepare`` makes the present state the last converged one.
+    def solve(self, dt: float, prepare: Callable[[], None], how: Strategy | None = None) -> tuple[Counts, float]:
+        """Step by ``dt``, both stages by Newton's strategy ``how``; ``prepare`` makes the present state the last
+        converged one.
 
         Returns the iterations of both stages and the estimated local error of the fields, relative to the largest met.
         """
         s, start = self.state, self.state.time
-        self.newton.options = replace(self.newton.options, min_residual=self._least())
+        self.newton.convergence.least = self._least()
         s.dt = GAMMA * dt
         s.time = start + s.dt
         prepare()
         d0 = s.d_old
-        counts = self.newton.step()
+        counts = self.newton.step(how)
         first = s.d.copy()
         for g in self.groups:  # the second stage starts from a point beyond the first
             for before, now in g.physics.rates():
                 before += (1.0 - GAMMA) / GAMMA * (now - before)
         s.time = start + dt
-        second = self.newton.step()
+        second = self.newton.step(how)
         counts.iterations = max(counts.iterations, second.iterations)
         counts.residuals += second.residuals
         counts.factorisations += second.factorisations

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from febkit.solver.newton import Counts, Newton, NotConverged
+from febkit.solver.newton import Counts, Newton, NotConverged, Strategy
 from febkit.solver.problem import AutoStep, NewtonOptions, Prescribed, Problem
 from febkit.solver.run import Options, run
 from febkit.solver.second_order import SecondOrder
@@ -72,10 +72,10 @@ def test_what_an_old_factorisation_does_not_serve_is_not_tried_for_ever(monkeypa
     """Second stages over old factorisations fail: the step is taken again, with factorisations of its own."""
     failed, step = [], Newton.step
 
-    def failing(self: Newton) -> Counts:
+    def failing(self: Newton, how: Strategy) -> Counts:
         second = not np.array_equal(self.system.state.d, self.system.state.d_old)
-        counts = step(self)
-        if second and self.stale:
+        counts = step(self, how)
+        if second and how.stale:
             failed.append(self.system.state.time)
             assert len(set(failed)) == len(failed), f"tried in vain twice at {failed[-1]}"
             raise NotConverged("the factorisation of an earlier step did not serve")

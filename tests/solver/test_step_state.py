@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from febkit.solver import contact, loads
-from febkit.solver.newton import Newton, NotConverged
+from febkit.solver.newton import Newton, NotConverged, Strategy
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.physics.three_field import Augment, ThreeField
@@ -94,11 +94,11 @@ def interrupted(problem: Problem, monkeypatch: pytest.MonkeyPatch, late: bool) -
     """Solve with tries that fail, at the second and third step: once done (``late``), or before they began."""
     step, tries = Newton.step, iter(range(10**6))
 
-    def solve(self: Newton) -> Any:
+    def solve(self: Newton, how: Strategy) -> Any:
         fails = next(tries) in (1, 3)
         if fails and not late:
             raise NotConverged("not tried")
-        out = step(self)
+        out = step(self, how)
         if fails:
             raise NotConverged("given up")
         return out
