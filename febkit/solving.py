@@ -22,6 +22,7 @@ def solve(
     model: Model | str | PathLike[str],
     plotfile: str | PathLike[str] | None = None,
     logfile: str | PathLike[str] | None = None,
+    *,
     threads: int = 0,
     linear: str = "auto",
     factor: str = "auto",
@@ -39,7 +40,7 @@ def solve(
     model asks for lie in the folder of the log; with ``data_anywhere`` where the model says.
 
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
-    factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.run.Options`). memory: GB that a factorisation may
+    factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.options.Options`). memory: GB that a factorisation may
     take before "auto" turns to the iterative solver; 0 for what the machine has left.
     accuracy: relative error per step of steps of second order and of their own size, for transient biphasic models;
     0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
@@ -50,12 +51,15 @@ def solve(
     """
     from febkit.feb.validation import require
     from febkit.lower import lower
-    from febkit.solver.run import Options, Run
+    from febkit.solver.options import Options
+    from febkit.solver.run import Run
 
     for given in (plotfile, logfile):
         if given is not None and not fspath(given):  # fspath raises TypeError for what is no path
             raise ValueError("a plotfile or logfile needs a name; leave it out to have none written")
-    options = Options(threads, linear, factor, stabilise, accuracy, memory)
+    options = Options(
+        threads=threads, linear=linear, factor=factor, stabilise=stabilise, accuracy=accuracy, memory=memory,
+    )  # fmt: skip
     model = _model(model)
     doubts = require(model)
     data = _destinations(model, plotfile, logfile, data_anywhere)

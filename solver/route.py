@@ -10,7 +10,7 @@ from .linear.choose import choose
 from .problem import TRANSIENT
 
 if TYPE_CHECKING:
-    from .run import Options
+    from .options import Options
     from .system import System
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
@@ -18,7 +18,7 @@ LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
 
 class Route:
-    """The choices of one analysis step; see :class:`.run.Options`."""
+    """The choices of one analysis step; see :class:`.options.Options`."""
 
     def __init__(self, system: System, options: Options, threads: int) -> None:
         self.system, self.options, self.threads = system, options, threads

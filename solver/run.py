@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import inf
-from numbers import Integral, Real
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +14,7 @@ from .finite import NotFinite, check_parameters, check_state
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
+from .options import Options
 from .problem import NewtonOptions, Problem, Step
 from .result import Result, Totals
 from .route import Route
@@ -32,46 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .rigid.bodies import Bodies
-
-LINEAR = ("auto", "pardiso", "superlu", "dense", "iterative")
-FACTOR = ("auto", "fresh", "reuse")
-ACCURACY = 0.1  # the largest relative error of a step that can be asked for
-
-
-@dataclass
-class Options:
-    """threads 0: all processors this process may use; linear: auto, pardiso, superlu, dense or
-    iterative (:mod:`.linear.iterative`).
-
-    memory: GB that a factorisation may take before "auto" turns to iterative; 0, what the machine has left.
-    factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
-    it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
-    (so that no saved time hangs on iteration counts).
-    accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
-    biphasic runs; 0, the file's steps.
-    stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
-    """
-
-    threads: int = 0
-    linear: str = "auto"
-    factor: str = "auto"
-    stabilise: float = 0.0
-    accuracy: float = 0.0
-    memory: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Raises ValueError where an option is none of what stands above."""
-        if not isinstance(self.threads, Integral) or self.threads < 0:
-            raise ValueError(f"threads = {self.threads!r}: give a whole number, 0 for all processors")
-        for name, values in (("linear", LINEAR), ("factor", FACTOR)):
-            given = getattr(self, name)
-            if given not in values:
-                raise ValueError(f"{name} = {given!r} is none of {', '.join(values)}")
-        for name, most in (("accuracy", ACCURACY), ("stabilise", inf), ("memory", inf)):
-            given = getattr(self, name)
-            if not isinstance(given, Real) or not 0.0 <= given <= most or given == inf:
-                limit = f" to {most:g}" if most < inf else " or more"
-                raise ValueError(f"{name} = {given!r}: give a number of 0{limit}")
 
 
 class Listener:

@@ -83,8 +83,8 @@ def command(
     said: list[str] = []
     earlier = stamp(plot_path)
     result = solve(
-        m, plot_path, log_path, threads, linear, factor, accuracy, float(stabilise), memory, not silent,
-        warn=said.append, data_anywhere=data_anywhere,
+        m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy,
+        stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append, data_anywhere=data_anywhere,
     )  # fmt: skip
     now = stamp(plot_path)
     kept = plot_path.is_file() and now == earlier

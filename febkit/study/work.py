@@ -66,7 +66,7 @@ def solve(job: Job) -> None:
     model = feb.read(job.inputs["model"] / MODEL)
     threads = int(os.environ.get("FEBKIT_THREADS", "0"))
     said: list[str] = []
-    result = run(model, job.folder / RESULTS, job.folder / "run.log", threads, warn=said.append)
+    result = run(model, job.folder / RESULTS, job.folder / "run.log", threads=threads, warn=said.append)
     if not result.converged:
         raise SolveFailed(result.reason)
     job.record["steps"], job.record["iterations"] = result.totals.steps, result.totals.iterations

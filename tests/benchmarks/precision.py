@@ -36,8 +36,9 @@ def confined() -> list[Row]:
     """Meshes of 10, 20 and 40 elements; equal steps and steps of their own size."""
     import test_analytic as exact
 
+    from febkit.solver.options import Options
     from febkit.solver.problem import AutoStep
-    from febkit.solver.run import Options, run
+    from febkit.solver.run import run
     from helpers import scenes
 
     def solve(n: int, steps: int, accuracy: float) -> Row:
@@ -74,7 +75,8 @@ def model(folder: Path, name: str, tight: float, threads: int, finer: list[int],
     import febkit
     from febkit.lower import lower
     from febkit.output.plotfile import PlotListener
-    from febkit.solver.run import Options, run
+    from febkit.solver.options import Options
+    from febkit.solver.run import run
 
     m = febkit.read(folder / "models" / f"{name}.feb")
     stored = np.load(folder / "reference" / f"{name}.npz")

@@ -52,8 +52,9 @@ def measure(n: int, threads: int, linear: str) -> dict[str, float]:
     """One row, in this process."""
     import resource
 
+    from febkit.solver.options import Options
     from febkit.solver.route import Route
-    from febkit.solver.run import Options, Run, run
+    from febkit.solver.run import Run, run
     from febkit.solver.system import System
 
     out: dict[str, float] = {}

@@ -105,7 +105,8 @@ def loops(folder: Path, name: str, threads: int) -> None:
     """Milliseconds of one tangent, stress update and residual, beside FEBio's mean of its run."""
     import febkit
     from febkit.lower import lower
-    from febkit.solver.run import Options, Run
+    from febkit.solver.options import Options
+    from febkit.solver.run import Run
     from febkit.solver.system import System
 
     def best(work: Callable[[], object]) -> float:

@@ -20,11 +20,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script:
 
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.result import Result
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Expression
 from helpers import scenes

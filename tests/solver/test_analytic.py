@@ -10,10 +10,11 @@ from scipy.optimize import brentq
 
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, Fixed, Problem, Step
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from helpers import scenes
 from helpers.scenes import P

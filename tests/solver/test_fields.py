@@ -11,8 +11,9 @@ import pytest
 import febkit
 from febkit import lower
 from febkit.solver.fields import DISPLACEMENT, PRESSURE, Field, Layout, concentration
+from febkit.solver.options import Options
 from febkit.solver.problem import NewtonOptions
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 
 SALT = [concentration(1), concentration(2)]
 

@@ -10,11 +10,12 @@ import pytest
 
 from febkit.solver.finite import whole
 from febkit.solver.loads.body_force import BodyForce
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.solids.solid_mixture import SolidMixture
 from febkit.solver.values import Expression, Map

@@ -13,12 +13,13 @@ from febkit.solver.linear.choose import choose
 from febkit.solver.linear.iterative import Iterative
 from febkit.solver.linear.krylov import fgmres, matvec
 from febkit.solver.linear.superlu import SuperLU
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
 from febkit.solver.physics import default
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import STATIC, TRANSIENT, Block, Fixed, NewtonOptions, Prescribed, Problem, Step
-from febkit.solver.run import Options, Run, run
+from febkit.solver.run import Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.storage import storage, unknowns
 from febkit.solver.system import System

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from febkit.solver.fields import DISPLACEMENT, Field, Layout
+from febkit.solver.options import Options
 from febkit.solver.physics.base import Physics, Work
 from febkit.solver.problem import (
     STEADY,
@@ -22,7 +23,7 @@ from febkit.solver.problem import (
     Step,
 )
 from febkit.solver.result import Result
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Expression
 from helpers import scenes

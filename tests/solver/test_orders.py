@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from febkit.solver import elements
+from febkit.solver.options import Options
 from febkit.solver.problem import Problem, Step
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from helpers import scenes
 

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from febkit.solver import elements
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.physics.three_field import ThreeField
 from febkit.solver.problem import STEADY, Fixed, Problem, Step
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.mooney_rivlin import MooneyRivlin
 from febkit.solver.solids.neo_hookean import NeoHookean
 from helpers import scenes

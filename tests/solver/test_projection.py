@@ -10,7 +10,8 @@ import pytest
 from febkit.solver.kernels import projection
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
-from febkit.solver.run import Options, run
+from febkit.solver.options import Options
+from febkit.solver.run import run
 from helpers import scenes
 
 E, V, K = 0.6, 0.2, 0.5

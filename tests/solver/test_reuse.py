@@ -9,10 +9,11 @@ import pytest
 
 from febkit.solver.linear.base import Matrix
 from febkit.solver.linear.krylov import gmres, matvec
+from febkit.solver.options import Options
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.quasi_newton import Anderson
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled
 from helpers import scenes

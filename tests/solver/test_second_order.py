@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from febkit.solver.newton import Counts, Newton, NotConverged, Strategy
+from febkit.solver.options import Options
 from febkit.solver.problem import AutoStep, NewtonOptions, Prescribed, Problem
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.second_order import SecondOrder
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled

@@ -9,12 +9,13 @@ import pytest
 
 from febkit.solver.linear.base import LinearError, Matrix
 from febkit.solver.linear.choose import choose
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
 from febkit.solver.physics import default
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import STATIC, TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.solids.neo_hookean import NeoHookean
 from helpers import scenes
@@ -76,7 +77,7 @@ def test_newton_converges_quadratically(law: Any) -> None:
 def test_linear_solvers_agree(linear: str, permeability: Any) -> None:
     def solve(name: str) -> Any:
         options = close(method="full Newton", updates=0)
-        result = run(squeezed(options, 2, permeability=permeability), options=Options(1, name))
+        result = run(squeezed(options, 2, permeability=permeability), options=Options(threads=1, linear=name))
         assert result.converged, result.reason
         return result.state.d
 

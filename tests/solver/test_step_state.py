@@ -10,12 +10,13 @@ import pytest
 
 from febkit.solver import contact, loads
 from febkit.solver.newton import Newton, NotConverged, Strategy
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.physics.three_field import Augment, ThreeField
 from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.rigid import joints
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.solids.mooney_rivlin import MooneyRivlin
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.solids.viscoelastic import Viscoelastic

@@ -12,11 +12,12 @@ from febkit.solver import schedule, tangent
 from febkit.solver.group import Group
 from febkit.solver.kernels import pattern as kernels
 from febkit.solver.linear.base import Matrix
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, Fixed, Prescribed, Problem, Step
-from febkit.solver.run import Listener, Options, Run, run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.schedule import LEAST, Schedule
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.state import State
@@ -162,7 +163,7 @@ def test_threads_do_not_change_the_answer() -> None:
     states = []
     for threads in (1, 2):
         shares = Shares()
-        result = run(problem(), [shares], Options(threads))
+        result = run(problem(), [shares], Options(threads=threads))
         assert result.converged and shares.n == threads, result.reason
         states.append(result.state.d)
     np.testing.assert_allclose(states[0], states[1], atol=1e-10)

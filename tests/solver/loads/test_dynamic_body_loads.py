@@ -10,10 +10,11 @@ import pytest
 
 from febkit.solver import loads
 from febkit.solver.group import Group
+from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import DYNAMIC, STATIC, TRANSIENT, Fixed, Initial, Problem, Step
-from febkit.solver.run import Options, run
+from febkit.solver.run import run
 from febkit.solver.schedule import Schedule
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.state import State

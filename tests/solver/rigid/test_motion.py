@@ -142,7 +142,7 @@ def test_a_soft_cube_hangs_on_a_box_in_balance() -> None:
 
 
 def test_what_cannot_be_had_with_bodies() -> None:
-    from febkit.solver.run import Options
+    from febkit.solver.options import Options
     from febkit.solver.second_order import refusal
 
     with pytest.raises(ValueError, match="multigrid"):
