@@ -18,7 +18,6 @@ from typing import Any
 import meshio
 import numpy as np
 
-from febkit.meshio_start import register
 from febkit.model import (
     Component,
     Domain,
@@ -353,6 +352,3 @@ def _listening(heard: list[str]) -> Iterator[None]:
                 heard.append(line.partition(": ")[2] if line.startswith(("Info:", "Warning:", "Error:")) else line)
             elif line.strip():
                 heard[-1] += f" {line.strip()}"
-
-
-register(meshio)

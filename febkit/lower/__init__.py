@@ -120,6 +120,11 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.initial = conditions.initial(ctx, spec.initial)
     out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
     rigid.fill(ctx, out, spec)
+    for c in spec.rigid:
+        if c.tag == "rigid_connector":
+            from . import connectors
+
+            connectors.read(ctx, out, c)
     for c in (*spec.constraints, *spec.boundary):
         if c.type == "linear constraint":
             from . import ties

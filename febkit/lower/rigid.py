@@ -128,11 +128,9 @@ def fill(ctx: Context, out: Step, spec: ModelStep) -> None:
             out.attached.append(_attached(ctx, c))
     for c in spec.rigid:
         reader = READERS.get((c.tag, c.type or ""))
-        if c.tag == "rigid_connector":
-            from . import connectors
-
-            connectors.read(ctx, out, c)
-        elif reader is None:
+        if c.tag == "rigid_connector":  # read by connectors.read
+            continue
+        if reader is None:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
         else:
             reader(ctx, out, c)
