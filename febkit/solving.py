@@ -13,9 +13,10 @@ from febkit.model import InputError, Model, Where, as_record
 
 if TYPE_CHECKING:
     from febkit.output.log import LogListener
+    from febkit.solver.options import Options
     from febkit.solver.problem import Problem
     from febkit.solver.result import Result
-    from febkit.solver.run import Listener, Options
+    from febkit.solver.run import Listener
 
 
 def solve(
