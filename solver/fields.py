@@ -45,7 +45,8 @@ def concentration(solute: int) -> Field:
 
 
 class Layout:
-    """Fields side by side. ``width``: columns in all; ``displacement``: columns of the displacement, maybe none."""
+    """Fields side by side. ``width``: columns in all; ``displacement``, ``concentrations``: columns of these, maybe
+    none."""
 
     def __init__(self, fields: Iterable[Field]) -> None:
         self.fields = tuple(fields)
@@ -58,6 +59,7 @@ class Layout:
             self._slices[f.name] = slice(self.width, self.width + f.width)
             self._columns |= {c: self.width + k for k, c in enumerate(f.components)}
             self.width += f.width
+        self.concentrations = self.columns(*(f.name for f in self.fields if f.option == "ctol"))
         self.displacement = self.columns(*([DISPLACEMENT.name] if DISPLACEMENT.name in self else []))
 
     @classmethod

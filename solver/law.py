@@ -29,12 +29,14 @@ class Law:
     """Subclasses are dataclasses whose fields are FEBio's tags.
 
     ``parameters`` names numbers that may vary in time and space, ``vectors`` those that hold several numbers (tag ->
-    how many), ``options`` plain integers (flags and enumerations).
+    how many), ``options`` plain integers (flags and enumerations), ``needed`` what is no
+    number and must be given.
     """
 
     parameters: ClassVar[tuple[str, ...]] = ()
     vectors: ClassVar[dict[str, int]] = {}
     options: ClassVar[tuple[str, ...]] = ()
+    needed: ClassVar[tuple[str, ...]] = ()
     mat_axis: Any = field(default=None, kw_only=True)  # local axes: pts -> (1|n, 3, 3), columns
     _par: Floats | None = field(default=None, init=False, repr=False)
 

@@ -104,6 +104,7 @@ class NewtonOptions:
     ptol: float = PRESSURE.tolerance
     ctol: float = 1e-2
     tolerances: dict[str, float] = field(default_factory=dict)
+    positive: bool = True  # concentrations below zero are taken as zero [force_positive_concentrations]
     max_reforms: int = 15
     reform_each_step: bool = True
     reform_augment: bool = False

@@ -196,6 +196,7 @@ class System:
         """
         s = self.state
         self.spread(total + increment + u, s.d)
+        self._keep_positive()
         self._drain()
         given = self.eqs.kind == 2
         s.d[given] = target[given]
@@ -205,6 +206,13 @@ class System:
             self.constraints.enforce(s)
         self._rates()
         self.update()
+
+    def _keep_positive(self) -> None:
+        """Free concentrations below zero are taken as zero; the equations keep what they had (as in FEBio)."""
+        own = self.state.layout.concentrations if self.step.newton.positive else ()
+        for column in own:
+            c = self.state.d[:, column]
+            c[(c < 0.0) & (self.eqs.kind[:, column] == FREE)] = 0.0
 
     def compose(self, a: Floats, b: Floats) -> Floats:
         """The increment a, then b."""

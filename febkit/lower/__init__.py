@@ -8,11 +8,15 @@ from __future__ import annotations
 from febkit.model import InputError, Model, UnsupportedError, Where, as_record
 from febkit.model import Step as ModelStep
 from febkit.model.source import together
-from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout
+from febkit.model.species import solutes
+from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout, concentration
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
 from . import conditions, control, loads, materials, rigid, shells
 from .context import Context
+
+SOLUTES = ("solute", "multiphasic")  # modules with concentrations
+MODULES = ("solid", "biphasic", *SOLUTES)
 
 
 def lower(model: Model) -> Problem:
@@ -38,7 +42,7 @@ def unsupported(model: Model) -> list[UnsupportedError]:
 def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     ctx = Context(model)
     _whole_sections(ctx)
-    if model.module not in ("solid", "biphasic"):
+    if model.module not in MODULES:
         return None, ctx.refused
     ctx.rigid = rigid.bodies(ctx)
     blocks = materials.blocks(ctx)
@@ -73,7 +77,9 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
 
 def _layout(model: Model, blocks: list[Block]) -> Layout:
     """The nodal fields of a model's module, and of its materials."""
-    own = [DISPLACEMENT, PRESSURE] if model.module == "biphasic" else [DISPLACEMENT]
+    own = [DISPLACEMENT] if model.module == "solid" else [DISPLACEMENT, PRESSURE]
+    if model.module in SOLUTES:
+        own += [concentration(s.index + 1) for s in solutes(model)]
     return Layout.of(own, *(b.physics.fields for b in blocks))
 
 
@@ -95,7 +101,7 @@ def _end(ctx: Context, steps: list[Step]) -> None:
 
 def _whole_sections(ctx: Context) -> None:
     m = ctx.model
-    if m.module not in ("solid", "biphasic"):
+    if m.module not in MODULES:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
         for c in (*step.constraints, *step.adaptors):
@@ -103,7 +109,10 @@ def _whole_sections(ctx: Context) -> None:
                 continue
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     for c in m.unknown:
-        ctx.refuse(f"the section <{c.tag}>", c.where)
+        if c.tag == "Globals":
+            ctx.check_tags(c, {"Solutes", "SolidBoundMolecules"})
+        else:
+            ctx.refuse(f"the section <{c.tag}>", c.where)
 
 
 def _step(ctx: Context, spec: ModelStep) -> Step:

@@ -6,6 +6,7 @@ import numpy as np
 
 from febkit.model import Component, InputError
 from febkit.model.sets import node_indices
+from febkit.model.species import solutes
 from febkit.solver.problem import Fixed, Initial, Prescribed
 
 from . import deformations
@@ -83,6 +84,24 @@ def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]
     return _prescribed(ctx, c, ctx.column("p", c))
 
 
+def _concentration(ctx: Context, c: Component, leaf: Component) -> int:
+    """Column of a concentration by FEBio's name of it, "c1", or by the name of its solute."""
+    dof = leaf.text.strip()
+    if not ctx.layout.has(dof):
+        s = next((s for s in solutes(ctx.model) if s.name == dof), None)
+        dof = dof if s is None else f"c{s.index + 1}"
+    return ctx.column(dof, c)
+
+
+def _zero_concentration(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"c_dof"})
+    return [Fixed(_concentration(ctx, c, c.need("c_dof")), _nodes(ctx, c))]
+
+
+def _prescribed_concentration(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    return _prescribed(ctx, c, _concentration(ctx, c, c.need("dof")))
+
+
 READERS = {
     "zero displacement": _zero_displacement,
     "prescribed displacement": _prescribed_displacement,
@@ -94,6 +113,8 @@ READERS = {
     "prescribed deformation 2O": deformations.second_order,
     "normal displacement": deformations.normal,
     "rigid deformation": deformations.rigid,
+    "zero concentration": _zero_concentration,
+    "prescribed concentration": _prescribed_concentration,
 }
 
 
@@ -108,6 +129,9 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
             out += [Initial(ctx.column(axis, c), nodes, x, velocity=rate) for axis, x in zip("xyz", v)]
         elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
             out.append(Initial(ctx.column("p", c), _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+        elif kind == "initial concentration" or (kind == "init_dof" and c.need("dof").text.strip().startswith("c")):
+            column = _concentration(ctx, c, c.need("dof"))
+            out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
         elif kind == "init_dof":
             column = ctx.column(c.need("dof").as_choice({dof: dof for dof in "xyzp"}), c)
             out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))

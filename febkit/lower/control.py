@@ -33,10 +33,10 @@ SOLVER = frozenset({
     "ls_check_jacobians", "max_refs", "check_zero_diagonal", "zero_diagonal_tol", "force_partition",
     "reform_each_time_step", "reform_augment", "diverge_reform", "min_residual", "max_residual", "dtol", "etol",
     "rtol", "ptol", "ctol", "rhoi", "alpha", "beta", "gamma", "logSolve", "arc_length", "arc_length_scale",
-    "qn_method", "mixed_formulation", "linear_solver", "init_accelerations",
+    "qn_method", "mixed_formulation", "force_positive_concentrations", "linear_solver", "init_accelerations",
 })  # fmt: skip
 NUMBERS = {  # tags and options
-    "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "min_residual": "min_residual",
+    "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "ctol": "ctol", "min_residual": "min_residual",
     "max_residual": "max_residual", "lstol": "line_tolerance", "lsmin": "line_minimum", "rhoi": "rho_inf",
     "alpha": "alpha", "beta": "beta", "gamma": "gamma",
 }  # fmt: skip
@@ -49,7 +49,7 @@ QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax"})
 def step(ctx: Context, control: Component, out: Step) -> None:
     """Fill in how ``out`` is solved."""
     ctx.check_tags(control, KNOWN)
-    names, usual = (BIPHASIC_ANALYSIS, TRANSIENT) if ctx.model.module == "biphasic" else (ANALYSIS, STATIC)
+    names, usual = (ANALYSIS, STATIC) if ctx.model.module == "solid" else (BIPHASIC_ANALYSIS, TRANSIENT)
     out.analysis = control.choice("analysis", names, usual)
     _times(control, out)
     stepper = control.child("time_stepper")
@@ -57,6 +57,8 @@ def step(ctx: Context, control: Component, out: Step) -> None:
     out.newton = _newton(ctx, control.child("solver"))
     if out.analysis == DYNAMIC:
         _check_integrator(control, out)
+    if ctx.model.module == "solute":  # FEBio's solver for one neutral solute has these as they are
+        out.newton.positive = out.newton.diverge_reform = True
     out.saving = _saving(control)
 
 
@@ -144,11 +146,11 @@ def _curve(ctx: Context, leaf: Component, number: int, a: AutoStep, out: Step) -
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
-    o = NewtonOptions(method="BFGS")
+    o = NewtonOptions(method="Broyden" if ctx.model.module in ("solute", "multiphasic") else "BFGS")
     if c is None:
         return o
     ctx.check_tags(c, SOLVER)
-    if c.type not in (None, "solid", "biphasic"):
+    if c.type not in (None, "solid", "biphasic", "solute", "multiphasic"):
         ctx.refuse(f'<solver type="{c.type}">', c.where)
     for tag in ("arc_length", "logSolve", "mixed_formulation"):
         leaf = c.child(tag)
@@ -164,6 +166,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     o.reform_each_step = c.bool("reform_each_time_step", True)
     o.reform_augment = c.bool("reform_augment")
     o.diverge_reform = c.bool("diverge_reform", True)
+    o.positive = c.bool("force_positive_concentrations", True)
     o.symmetric = c.choice("symmetric_stiffness", SYMMETRY, None)
     qn = c.child("qn_method")
     if qn is not None:

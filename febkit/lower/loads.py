@@ -9,6 +9,7 @@ import numpy as np
 
 from febkit.model import Component, InputError, Surface
 from febkit.model.sets import element_ids, node_indices, surface
+from febkit.model.species import find, solutes
 from febkit.solver import loads as records
 from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import STEADY
@@ -23,7 +24,9 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
     "bearing load": (("scale",), ("force",), ("profile", "linear", "symmetric_stiffness")),
     "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
     "fluidflux": (("flux",), (), ("linear", "mixture")),
+    "soluteflux": (("flux",), (), ("linear",)),
 }
+OF_A_SOLUTE = ("soluteflux",)
 PROFILE = {"sinusoidal": 0, "parabolic": 1, "0": 0, "1": 1}
 FRAME = {"fixed": False, "moving": True, "0": False, "1": True}
 BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -81,7 +84,8 @@ def _order(on: Surface) -> dict[str, np.ndarray] | None:
 def _surface(ctx: Context, c: Component, analysis: str) -> Any:
     cls = records.load(c.type or "")
     numbers, vectors, flags = SURFACE[c.type or ""]
-    ctx.check_tags(c, {*numbers, *vectors, *flags, "shell_bottom"})
+    solute = {"solute_id"} if c.type in OF_A_SOLUTE else set()
+    ctx.check_tags(c, {*numbers, *vectors, *flags, *solute, "shell_bottom"})
     kw: dict[str, Any] = {}
     for n in numbers:
         leaf = c.child(n)
@@ -95,6 +99,9 @@ def _surface(ctx: Context, c: Component, analysis: str) -> Any:
         leaf = c.child(n)
         if leaf is not None:
             kw[n] = leaf.as_choice(PROFILE) if n == "profile" else leaf.as_bool()
+    if solute:
+        leaf = c.need("solute_id")
+        kw["solute"] = find(solutes(ctx.model), leaf.text.strip(), "solute", leaf.where).index + 1
     if c.type == "fluidflux":
         kw["steady"] = analysis == STEADY
     fields = cls.__dataclass_fields__

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-import numpy as np
-
 from febkit.model import Component, Domain, InputError, Where, ranges, values
 from febkit.model.sets import missing
 from febkit.solver import permeabilities, physics, supplies
@@ -15,7 +13,9 @@ from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
 
 from . import shells
-from .context import Context, compiled, load_curve
+from .context import Context, compiled
+from .curves import curve, of_one
+from .laws import law
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
@@ -23,6 +23,7 @@ OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_f
 # materials refused until a model of FEBio's suite agrees: in the one with cubic CLE a rotation is left free, which
 # rounding decides in FEBio (stresses agree to rounding, and so do displacements where the rotation is held)
 UNPROVEN = frozenset({"cubic CLE"})
+MIXTURES = ("biphasic-solute", "triphasic", "multiphasic")  # read by mixtures, which is imported where one is there
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis", "print_derivs"})
 
@@ -71,13 +72,20 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     if spec.type == "biphasic":
         mixture = _biphasic(ctx, spec, d.block)
         spec = spec.need("solid")
+    elif spec.type in MIXTURES:
+        from . import mixtures
+
+        mixture = mixtures.multiphasic(ctx, spec, d.block)
+        if mixture is None:
+            return None
+        spec = spec.need("solid")
     solid = record(ctx, spec, "solid", d.block)
     if solid is None:
         return None
     if mixture is not None:
         for node in solid.walk():
             if hasattr(node, "phi0"):  # porous solids take the porosity of the mixture
-                node.phi0 = mixture.phi0
+                node.phi0 = mixture.phi0 if top.type == "biphasic" else mixture.mixture.phi0
     block = Block(d.block, mesh.type, mesh.conn, mesh.ids, solid, mixture or physics.default())
     if ctx.model.mesh_data:
         block.axes = _axes().element_axes(ctx, d.block)
@@ -87,7 +95,7 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     if d.kind == "solid":
         _formulation(ctx, d, block, mixture is not None)
     elif mixture is not None:
-        ctx.refuse(f'a biphasic shell (part "{d.block}")', d.where)
+        ctx.refuse(f'a {top.type} shell (part "{d.block}")', d.where)
     elif solid.uncoupled and shells.three_field(d, mesh.type):
         block.physics = physics.load("three-field")()
     return block
@@ -124,37 +132,14 @@ def _biphasic(ctx: Context, spec: Component, part: str) -> Any:
     ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "density", "mat_axis"})  # noqa: E501
     if spec.float("tau", 0.0):
         ctx.refuse("<tau> (flux relaxation) of a biphasic material", spec.need("tau").where)
-    perm = _law(ctx, spec.need("permeability"), permeabilities, part)
+    perm = law(ctx, spec.need("permeability"), permeabilities, part)
     supply = spec.child("solvent_supply")
     return physics.load("biphasic")(
         perm,
         ctx.value(spec.child("phi0"), 0.0, part),
         ctx.value(spec.child("fluid_density"), 0.0, part),
-        None if supply is None else _law(ctx, supply, supplies, part),
+        None if supply is None else law(ctx, supply, supplies, part),
     )
-
-
-def _law(ctx: Context, spec: Component, registry_: Any, part: str) -> Any:
-    """A permeability or solvent supply."""
-    if spec.type is None or not registry_.known(spec.type):
-        ctx.refuse(f'<{spec.tag} type="{spec.type}">', spec.where)
-        return None
-    cls = registry_.load(spec.type)
-    defaults = cls.defaults()
-    fields: dict[str, Any] = {}
-    for c in spec:
-        if c.tag == "mat_axis":
-            fields["mat_axis"] = _axes().mat_axis(ctx, c, part)
-        elif c.tag not in cls.parameters:
-            ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
-        elif c.tag in cls.vectors:
-            fields[c.tag] = ctx.components(c, cls.vectors[c.tag])
-        else:
-            fields[c.tag] = ctx.value(c, maps=part)
-    for name in cls.parameters:
-        if name not in fields and name not in defaults:
-            raise InputError(f'<{spec.tag} type="{spec.type}"> lacks <{name}>', spec.where)
-    return cls(**fields)
 
 
 def _defaults(cls: Any) -> dict[str, Any]:
@@ -252,7 +237,7 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
     if prop.table == "energy":
         return _energy(ctx, c)
     if prop.table == "formula":
-        return _of_one(ctx, c)
+        return of_one(ctx, c)
     return record(ctx, c, prop.table, part)
 
 
@@ -278,39 +263,3 @@ def _energy(ctx: Context, c: Component) -> Any:
         return energy.at(env)
 
     return value
-
-
-class Curve:
-    """A load curve as a function of arrays; its points stay at hand."""
-
-    def __init__(self, curve: Any) -> None:
-        self.curve, self.points = curve, curve.points
-
-    def __call__(self, x: Any) -> Any:
-        return np.vectorize(self.curve)(x)
-
-
-def curve(ctx: Context, c: Component) -> Any:
-    """A function of one variable: constant, linear ramp, step, points or formula."""
-    kind = c.type or "const"
-    if kind == "point":
-        return Curve(load_curve([p.as_floats(2) for p in c.need("points")], c, c.what))
-    if kind == "math":
-        return _of_one(ctx, c)
-    if kind == "const":
-        v = (c.child("value") or c).as_float()
-        return lambda x: np.full(np.shape(x), v)
-    if kind in ("linear ramp", "linear"):
-        slope, start = c.float("slope", 0.0), c.float("intercept", 0.0)
-        return lambda x: slope * np.asarray(x) + start
-    ctx.refuse(f'<{c.tag} type="{kind}">', c.where)
-    return None
-
-
-def _of_one(ctx: Context, c: Component) -> Any:
-    """A formula of one variable, whatever its name."""
-    f = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
-    if len(f.names) > 1:
-        raise InputError(f"<{c.tag}> must be a formula of one variable, not of {', '.join(sorted(f.names))}", c.where)
-    name = next(iter(f.names), "x")
-    return lambda x: f.at({name: x})

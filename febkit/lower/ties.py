@@ -13,7 +13,7 @@ from febkit.solver.problem import Step
 from febkit.solver.ties import LinearConstraint
 
 from .context import Context
-from .materials import curve
+from .curves import curve
 
 #: law of a discrete material -> class, and tags of numbers
 LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {

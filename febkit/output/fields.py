@@ -128,6 +128,12 @@ DOMAIN: dict[str, Domain] = {
 
 # nodal fields by domain: plot variable -> nodal field (solver.fields), written for the groups that solve for it
 DOMAIN_NODAL: dict[str, str] = {"effective fluid pressure": "fluid pressure"}
+SOLUTES = "effective solute concentration"  # nodal fields by domain, of all solutes of the model
+# arrays over the model's solutes, and over its solid-bound molecules
+ARRAYS = {
+    SOLUTES: "solute", "solute concentration": "solute", "partition coefficient": "solute", "solute flux": "solute",
+    "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
+}  # fmt: skip
 
 
 # means over integration points of nodal fields
@@ -161,7 +167,22 @@ def domain(name: str) -> Domain:
     return DOMAIN.get(name) or _item(lambda g: at_points(g, name))
 
 
+def concentrations(run: Run, g: Group, nodes: NDArray[np.integer]) -> Floats | None:
+    """Effective concentrations (node, solute of the model), zero where a group lacks one; None: it has none at all."""
+    layout = run.state.layout
+    all_solutes = [f.name for f in layout.fields if f.name.startswith("concentration")]
+    if not any(n in g.fields for n in all_solutes):
+        return None
+    out = np.zeros((len(nodes), len(all_solutes)))
+    for k, n in enumerate(all_solutes):
+        if n in g.fields:
+            out[:, k] = layout.scalar(run.state.d, n)[nodes]
+    return out
+
+
 def known(name: str) -> bool:
+    if name == SOLUTES:
+        return True
     if any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE)):
         return True
     return any(name in physics.load(p).work.outputs for p in physics.FILES)

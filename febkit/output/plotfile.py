@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import Model
+from febkit.model.species import solid_bound, solutes
 from febkit.results.variables import VARIABLES
 from febkit.results.xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
 from febkit.results.xplt.writer import PlotWriter
@@ -68,7 +70,7 @@ class PlotListener(Listener):
                 warn(f'plot variable "{v.type}" is not computed by febkit and is left out')
             elif v.type not in self.names:
                 self.names.append(v.type)
-                variables.append(VARIABLES[v.type])
+                variables.append(self._variable(v.type))
         spec = model.output.plot_spec
         compress = spec is not None and spec.bool("compression")
         self.mesh = plot_mesh(model)
@@ -76,6 +78,14 @@ class PlotListener(Listener):
             path, self.mesh, variables, compress=compress, software="febkit", units=model.units, live=False,
         )  # fmt: skip
         self.states = 0
+
+    def _variable(self, name: str) -> PlotVariable:
+        """The record of a variable; arrays over solutes and solid-bound molecules have the names of these."""
+        kind = fields.ARRAYS.get(name)
+        if kind is None:
+            return VARIABLES[name]
+        names = tuple(s.name for s in (solutes if kind == "solute" else solid_bound)(self.model))
+        return replace(VARIABLES[name], n=len(names), array_names=names)
 
     def save(self, run: Run, status: int) -> None:
         data: dict[str | int, Any] = {name: self._values(run, name) for name in self.names}
@@ -101,8 +111,10 @@ class PlotListener(Listener):
                 if nodal in group.fields:
                     out[k + 1] = single(run.state.of(nodal)[domain.nodes()].squeeze(axis=-1), name)
                 continue
-            if name in fields.INTERPOLATED:
-                v: Any = fields.interpolated(fields.INTERPOLATED[name](run), group)
+            if name == fields.SOLUTES:
+                v: Any = fields.concentrations(run, group, domain.nodes())
+            elif name in fields.INTERPOLATED:
+                v = fields.interpolated(fields.INTERPOLATED[name](run), group)
             else:
                 v = fields.domain(name)(group)
             if v is not None:

@@ -13,6 +13,7 @@ FILES = {
     "standard": "standard",
     "three-field": "three_field",
     "biphasic": "biphasic",
+    "multiphasic": "multiphasic",
 }
 _all: Registry[Any] = Registry(__name__, FILES)
 register, load = _all.register, _all.load

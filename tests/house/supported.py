@@ -16,13 +16,31 @@ def lists() -> str:
     from febkit.lower.materials import UNPROVEN
     from febkit.lower.rigid import READERS as RIGID
     from febkit.lower.ties import LAWS
-    from febkit.solver import contact, elements, loads, permeabilities, supplies
+    from febkit.solver import (
+        contact,
+        diffusivities,
+        elements,
+        loads,
+        osmotic_coefficients,
+        permeabilities,
+        reaction_rates,
+        reactions,
+        solubilities,
+        solute_supplies,
+        supplies,
+    )
     from febkit.solver.solids.registry import tables
 
     rows = {
         "solids": sorted(set(tables()["solid"]) - UNPROVEN),
         "permeabilities": sorted(permeabilities.TYPES),
         "solvent supplies": sorted(supplies.TYPES),
+        "diffusivities": sorted(diffusivities.TYPES),
+        "solubilities": sorted(solubilities.TYPES),
+        "osmotic coefficients": sorted(osmotic_coefficients.TYPES),
+        "solute supplies": sorted(solute_supplies.TYPES),
+        "reactions": sorted(reactions.TYPES),
+        "reaction rates": sorted(reaction_rates.TYPES),
         "loads": sorted(loads.TYPES),
         "boundary conditions": sorted([*READERS, "linear constraint", "rigid"]),
         "contact": sorted(contact.TYPES),

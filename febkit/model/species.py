@@ -1,0 +1,58 @@
+"""The solutes and solid-bound molecules that a model lists in its <Globals>."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import values
+from .model import Model
+from .source import InputError, Where
+
+
+@dataclass(frozen=True, slots=True)
+class Species:
+    """A solute or solid-bound molecule of <Globals>; ``index``: its place in the list, from 0."""
+
+    name: str
+    id: int
+    index: int
+    charge: int
+    molar_mass: float
+    density: float
+
+
+def solutes(model: Model) -> tuple[Species, ...]:
+    """The solutes of <Globals>, in file order: solute k has the degree of freedom c<k>."""
+    return _species(model, "Solutes", "solute")
+
+
+def solid_bound(model: Model) -> tuple[Species, ...]:
+    """The solid-bound molecules of <Globals>, in file order."""
+    return _species(model, "SolidBoundMolecules", "solid_bound")
+
+
+def _species(model: Model, section: str, tag: str) -> tuple[Species, ...]:
+    found: list[Species] = []
+    for table in (t for u in model.unknown if u.tag == "Globals" for t in u.all(section)):
+        for c in table.all(tag):
+            k = len(found)
+            charge = c.child("charge_number")
+            s = Species(
+                c.name or f"{tag} {c.id or k + 1}", c.id or k + 1, k, 0 if charge is None else charge.as_int(),
+                c.float("molar_mass", 1.0), c.float("density", 1.0),
+            )  # fmt: skip
+            if s.density <= 0.0 or s.molar_mass <= 0.0:
+                raise InputError(f'{tag} "{s.name}": density and molar_mass must be more than 0', c.where)
+            found.append(s)
+    return tuple(found)
+
+
+def find(species: tuple[Species, ...], ref: str, what: str, where: Where | None) -> Species:
+    """A species by its name, or by its id. Raises InputError, naming those there are."""
+    named = {s.name: s for s in species}
+    if ref in named:
+        return named[ref]
+    by_id = {str(s.id): s for s in species}
+    if ref.strip() in by_id:
+        return by_id[ref.strip()]
+    raise InputError(f'there is no {what} "{ref}" in <Globals>' + values.near(ref, named), where)

@@ -1,0 +1,214 @@
+"""What a mixture keeps at its points, and how it is brought up to date.
+
+Within an iteration solid-bound molecules follow the reaction rates of the last evaluation, by the trapezoidal rule over
+the step (FEBio's order, explicit in the iteration and implicit in the step once it has converged).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..law import Floats
+from ..points import Points
+from .flow import diffusivities, flow
+from .material import Mixture
+from .partition import partition
+from .solution import Solution
+
+#: arrays that a step changes and a failed step gives back
+STATE = (
+    "J", "p", "gp", "c", "gc", "ca", "kappa", "dkdJ", "dkdc", "y", "phi0", "cF", "pa", "w", "j", "bound", "rate",
+    "complex", "complex_rate", "J_old", "stored_old", "bound_old", "rate_old", "complex_old", "complex_rate_old",
+)  # fmt: skip
+
+
+@dataclass(slots=True)
+class Instant:
+    """Time increment of the step, and whether the analysis is a steady state."""
+
+    dt: float
+    steady: bool
+
+
+class Fields:
+    """Arrays over the n points of a block, for m solutes and b solid-bound molecules."""
+
+    def __init__(self, mix: Mixture, pts: Points) -> None:
+        self.mix = mix
+        n, m, b = pts.n, len(mix.solutes), len(mix.solid_bound)
+
+        def zeros(*shape: int) -> Floats:
+            return np.zeros((n, *shape))
+
+        self.J, self.p, self.gp = np.ones(n), zeros(), zeros(3)
+        self.c, self.gc, self.ca = zeros(m), zeros(m, 3), zeros(m)
+        self.kappa, self.dkdJ, self.dkdc = np.ones((n, m)), zeros(m), zeros(m, m)
+        self.y, self.cF, self.pa = zeros(), zeros(), zeros()
+        self.w, self.j = zeros(3), zeros(m, 3)
+        self.bound, self.rate = zeros(b), zeros(b)
+        self.complex, self.complex_rate = zeros(), zeros()
+        for i, s in enumerate(mix.solid_bound):
+            self.bound[:, i] = s.rho0(pts.t, pts.X, pts.e)
+        self.molar = np.array([s.molar_mass for s in mix.solid_bound])
+        self.charge = np.array([float(s.charge) for s in mix.solid_bound])
+        self.density = np.array([s.density for s in mix.solid_bound])
+        self.phi0 = zeros()
+        self.fixed = np.zeros((n, m), bool)
+        self.memory = {id(k): zeros() for r in mix.reactions for k in r.rates if k.remembers}
+        self._solid_volume(slice(None), pts)
+        self.phi0_start = self.phi0.copy()
+        every = slice(None)
+        self.fixed[:] = ~diffusivities(mix, pts, self.solution(every))[0].any(axis=(2, 3))
+        if b:
+            self.rate[:] = self._production(pts, self.solution(every))
+        self.stored_old, self.J_old = zeros(m), np.ones(n)
+        self.bound_old, self.rate_old = self.bound.copy(), self.rate.copy()
+        self.complex_old, self.complex_rate_old = zeros(), zeros()
+
+    def solution(self, q: slice) -> Solution:
+        """The solution at the points ``q`` (views)."""
+        return Solution(
+            self.mix.z, self.c[q], self.ca[q], self.kappa[q], self.dkdJ[q], self.dkdc[q], self.phi0[q], self.cF[q],
+            self.bound[q], self.molar, self.charge, self.density, self.fixed[q],
+            {k: v[q] for k, v in self.memory.items()},
+        )  # fmt: skip
+
+    # ---- the state ------------------------------------------------------------------------------------
+    def update(self, q: slice, pts: Points, values: Floats, now: Instant | None) -> None:
+        """Take p, c and their gradients ``values`` (n, 4, 1 + m) at the points ``q``; ``now`` None: at the start."""
+        mix, sol = self.mix, self.solution(q)
+        self.J[q] = pts.J
+        if now is not None and mix.solid_bound and mix.reactions:
+            self._react(q, pts, sol, now)
+        self._solid_volume(q, pts)
+        self.p[q], self.gp[q] = values[:, 0, 0], values[:, 1:, 0]
+        self.c[q], self.gc[q] = values[:, 0, 1:], values[:, 1:, 1:].transpose(0, 2, 1)
+        self._fixed_charge(q, pts, sol)
+        partition(mix, pts, sol, self.y[q])
+        f = flow(mix, pts, sol, self.gp[q], self.gc[q])
+        self.w[q], self.j[q] = f.w, f.j
+        phi = mix.osmotic_coefficient.coefficient(pts, sol)
+        self.pa[q] = self.p[q] + mix.RT * phi * sol.osmolarity()
+        if mix.binds and now is not None:
+            self._bind(q, pts, now)
+
+    def _production(self, pts: Points, sol: Solution) -> Floats:
+        """Referential mass supplies of solid-bound molecules (n, b)."""
+        out = np.zeros_like(sol.bound)
+        for r in self.mix.reactions:
+            out += r.supply(pts, sol)[:, None] * r.net[sol.m :]
+        return out * (pts.J - sol.phi0)[:, None] * self.molar
+
+    def _react(self, q: slice, pts: Points, sol: Solution, now: Instant) -> None:
+        self.rate[q] = self._production(pts, sol)
+        bound = self.bound_old[q] + 0.5 * now.dt * (self.rate[q] + self.rate_old[q])
+        for i, s in enumerate(self.mix.solid_bound):
+            self.bound[q, i] = np.clip(bound[:, i], s.rhomin, s.rhomax if s.rhomax > 0.0 else None)
+
+    def _solid_volume(self, q: slice, pts: Points) -> None:
+        """phi0 = (phi0 of the solid + J f) / (1 + f) + sum rho_r / rho, f the volume of solutes that do not diffuse."""
+        base = self.mix.phi0(pts.t, pts.X, pts.e)
+        f = (np.where(self.fixed[q], self.ca[q], 0.0) * self.mix.volumes).sum(axis=1)
+        self.phi0[q] = (base + pts.J * f) / (1.0 + f)
+        if self.mix.solid_bound:
+            self.phi0[q] += (self.bound[q] / self.density).sum(axis=1)
+
+    def _fixed_charge(self, q: slice, pts: Points, sol: Solution) -> None:
+        """cF = (cFr (1 - phi0 at the start) + sum z rho_r / M) / (J - phi0) + charge of solutes that do not diffuse."""
+        if self.mix.neutral:
+            return
+        charge = self.mix.fixed_charge(pts.t, pts.X, pts.e) * (1.0 - self.phi0_start[q])
+        if self.mix.solid_bound:
+            charge = charge + (self.bound[q] * self.charge / self.molar).sum(axis=1)
+        self.cF[q] = charge / (pts.J - sol.phi0) + (np.where(sol.fixed, sol.ca, 0.0) * sol.z).sum(axis=1)
+
+    def _bind(self, q: slice, pts: Points, now: Instant) -> None:
+        """The complex that receptors form with the first solute."""
+        law = self.mix.solutes[0].supply
+        assert law is not None
+        cr = (pts.J - self.phi0[q]) * self.ca[q, 0]
+        if now.steady:
+            self.complex[q] = law.bound_at_rest(pts, cr)
+            return
+        self.complex_rate[q] = law.binding(pts, cr, self.complex[q])
+        self.complex[q] = self.complex_old[q] + 0.5 * now.dt * (self.complex_rate[q] + self.complex_rate_old[q])
+
+    def begin_step(self, pts: Points) -> None:
+        """The present state becomes the last converged one."""
+        sol = self.solution(slice(None))
+        self.J_old[:] = self.J
+        porosity = np.maximum(1.0 - self.phi0 / self.J, 0.0)
+        self.stored_old[:] = (self.J * porosity)[:, None] * self.ca
+        self.bound_old[:], self.rate_old[:] = self.bound, self.rate
+        self.complex_old[:], self.complex_rate_old[:] = self.complex, self.complex_rate
+        for r in self.mix.reactions:
+            for k in r.rates:
+                k.begin_step(pts, sol)
+
+    def snapshot(self) -> dict[str, Floats]:
+        """Copies of all that a step changes."""
+        return {n: getattr(self, n).copy() for n in STATE} | {str(k): v.copy() for k, v in self.memory.items()}
+
+    def restore(self, saved: dict[str, Floats]) -> None:
+        for n in STATE:
+            getattr(self, n)[...] = saved[n]
+        for k, v in self.memory.items():
+            v[...] = saved[str(k)]
+
+    # ---- balances -------------------------------------------------------------------------------------
+    def stress(self, q: slice, pts: Points, s: Floats, now: Instant) -> Floats:
+        """What the test functions' values and gradients meet at the points ``q``: (n, 4, 4 + m).
+
+        s (n, 3, 3): total stress. Columns u, p, c: stress; dt (w, phi_hat - div v); dt (flux, supply - storage rate).
+        A steady state takes the supply of solutes with the porosity squared, as FEBio 4.11 does.
+        """
+        mix, sol, dt = self.mix, self.solution(q), now.dt
+        m, J, steady = sol.m, pts.J, now.steady
+        out = np.zeros((pts.n, 4, 4 + m))
+        out[:, 1:, :3] = s
+        phi = 1.0 - sol.phi0 / J
+        fluid, made = self._supplies(q, pts, sol, phi)
+        if steady and not mix.neutral:
+            made *= phi[:, None]
+        out[:, 1:, 3] = dt * self.w[q]
+        out[:, 0, 3] = dt * fluid
+        j = self.j[q]
+        if not mix.neutral and mix.penalty:
+            j = j + mix.penalty * np.einsum("i,nia->na", sol.z, j)[:, None, :]
+        out[:, 1:, 4:] = dt * j.transpose(0, 2, 1)
+        out[:, 0, 4:] = dt * made
+        if not steady:
+            out[:, 0, 3] -= 1.0 - self.J_old[q] / J
+            out[:, 0, 4:] -= phi[:, None] * sol.ca - self.stored_old[q] / J[:, None]
+        return out
+
+    def _supplies(self, q: slice, pts: Points, sol: Solution, phi: Floats) -> tuple[Floats, Floats]:
+        """Volume supply of fluid (n,) and molar supplies of solutes (n, m), per current mixture volume."""
+        mix, fluid, made = self.mix, np.zeros(pts.n), np.zeros_like(sol.c)
+        if mix.supply is not None:
+            mix.supply.supply(pts, self.p[q], fluid, None, None)
+        for r in mix.reactions:
+            zeta = phi * r.supply(pts, sol)
+            fluid += r.Vbar * zeta
+            made += zeta[:, None] * r.net[: sol.m]
+        if mix.binds:
+            law = mix.solutes[0].supply
+            assert law is not None
+            cr = (pts.J - sol.phi0) * sol.ca[:, 0]
+            made[:, 0] += law.supply(pts, cr, self.complex[q]) / pts.J
+        return fluid, made
+
+    # ---- derived --------------------------------------------------------------------------------------
+    def electric_potential(self) -> Floats:
+        """psi = -R T / Fc ln zeta (n,); 0 where no ion is."""
+        return -self.mix.RT / self.mix.Fc * self.y if self.mix.Fc > 0.0 else np.zeros_like(self.y)
+
+    def current_density(self) -> Floats:
+        """Fc sum z_i j_i (n, 3)."""
+        return self.mix.Fc * np.einsum("i,nia->na", self.mix.z, self.j)
+
+    def referential_fixed_charge(self) -> Floats:
+        """(J - phi0) cF / (1 - phi0 at the start) (n,)."""
+        return (self.J - self.phi0) * self.cF / (1.0 - self.phi0_start)

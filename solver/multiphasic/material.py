@@ -1,0 +1,63 @@
+"""The fluid, solutes and charges of a mixture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..law import Floats
+from ..osmotic_coefficients.base import OsmoticCoefficient
+from ..permeabilities.base import Permeability
+from ..reactions.base import Reaction
+from ..values import Constant, Value
+from .species import SolidBound, Solute
+
+
+@dataclass(eq=False)
+class Mixture:
+    """What FEBio's materials biphasic-solute, triphasic and multiphasic have in common.
+
+    R, T, Fc: gas constant, temperature, Faraday constant; phi0: referential volume fraction of the solid without its
+    bound molecules; fixed_charge: referential fixed charge density per fluid volume; penalty: weight of the current
+    density in every solute's balance (FEBio's ``penalty``: charge is conserved the more firmly). ``neutral``: charge
+    numbers play no part (biphasic-solute). model_solutes, model_bound: how many the model has, of which these are some.
+    """
+
+    permeability: Permeability
+    osmotic_coefficient: OsmoticCoefficient
+    solutes: tuple[Solute, ...]
+    R: float
+    T: float
+    Fc: float = 0.0
+    phi0: Value = field(default_factory=lambda: Constant(0.0))
+    fluid_density: Value = field(default_factory=lambda: Constant(0.0))
+    fixed_charge: Value = field(default_factory=lambda: Constant(0.0))
+    penalty: float = 1.0
+    neutral: bool = False
+    supply: Any = None
+    solid_bound: tuple[SolidBound, ...] = ()
+    reactions: tuple[Reaction, ...] = ()
+    model_solutes: int = 0
+    model_bound: int = 0
+
+    @property
+    def RT(self) -> float:
+        return self.R * self.T
+
+    @cached_property
+    def z(self) -> Floats:
+        """Charge numbers (m,), zero in a neutral mixture."""
+        return np.array([0.0 if self.neutral else float(s.charge) for s in self.solutes])
+
+    @cached_property
+    def volumes(self) -> Floats:
+        """Molar volumes of the solutes (m,)."""
+        return np.array([s.molar_mass / s.density for s in self.solutes])
+
+    @cached_property
+    def binds(self) -> bool:
+        """Does the first solute's supply bind it to receptors (biphasic-solute)?"""
+        return bool(self.solutes) and self.solutes[0].supply is not None

@@ -1,0 +1,107 @@
+"""Partition coefficients of solutes and their derivatives.
+
+kappa_i = k_i zeta^z_i, zeta from electroneutrality. With S = sum z_i^2 kappa_i c_i,
+dln zeta/dJ = -(dcF/dJ + sum z_i zeta^z_i c_i dk_i/dJ) / S, and so on: FEBio Theory Manual, "Multiphasic materials".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..law import Floats
+from ..points import Points
+from .electroneutrality import potential
+from .material import Mixture
+from .solution import Solution
+
+
+@dataclass(slots=True)
+class Potential:
+    """y = ln zeta (n,), its derivatives by J (n,) and c (n, m), and 1 / S (n,), 0 where S is not positive."""
+
+    y: Floats
+    by_J: Floats
+    by_c: Floats
+    S: Floats
+    zz: Floats  # zeta^z (n, m)
+    by_J_k: Floats  # dk/dJ (n, m)
+    by_c_k: Floats  # dk_i/dc_j (n, m, m)
+
+
+def solubilities(mix: Mixture, pts: Points, sol: Solution) -> Floats:
+    """k (n, m)."""
+    out = np.empty_like(sol.c)
+    for i, s in enumerate(mix.solutes):
+        out[:, i] = s.solubility.solubility(pts, sol, i)
+    return out
+
+
+def partition(mix: Mixture, pts: Points, sol: Solution, y: Floats) -> Potential:
+    """Set kappa, ca and derivatives of ``sol``; y (n,) is the last ln zeta, renewed in place.
+
+    Solutes that do not diffuse take no part in the balance of charge but through cF.
+    """
+    k, z = solubilities(mix, pts, sol), mix.z
+    y[:] = potential(z, np.where(sol.fixed, 0.0, k * sol.c), sol.cF, y)
+    zz = np.exp(z * y[:, None]) if z.any() else np.ones_like(sol.c)
+    sol.kappa[:] = k * zz
+    sol.ca[:] = sol.kappa * sol.c
+    dkJ, dkc = _slopes(mix, pts, sol)
+    p = _derivatives(z, pts.J - sol.phi0, sol, y, zz, dkJ, dkc)
+    sol.dkdJ[:] = zz * dkJ + z * sol.kappa * p.by_J[:, None]
+    sol.dkdc[:] = zz[:, :, None] * dkc + (z * sol.kappa)[:, :, None] * p.by_c[:, None, :]
+    return p
+
+
+def _slopes(mix: Mixture, pts: Points, sol: Solution) -> tuple[Floats, Floats]:
+    """Derivatives of the solubilities by J (n, m) and c (n, m, m)."""
+    n, m = sol.c.shape
+    dJ, dc = np.zeros((n, m)), np.zeros((n, m, m))
+    for i, s in enumerate(mix.solutes):
+        slopes = s.solubility.slopes(pts, sol, i)
+        if slopes is not None:
+            dJ[:, i], dc[:, i] = slopes
+    return dJ, dc
+
+
+def _derivatives(
+    z: Floats, free: Floats, sol: Solution, y: Floats, zz: Floats, dkJ: Floats, dkc: Floats
+) -> Potential:
+    """``free`` = J - phi0; dcF/dJ = -cF / free."""
+    zc = z * sol.c
+    S = (z * zc * sol.kappa).sum(axis=1)
+    inverse = np.where(S > 0.0, 1.0 / np.where(S > 0.0, S, 1.0), 0.0)
+    by_J = (sol.cF / free - (zc * zz * dkJ).sum(axis=1)) * inverse
+    by_c = -(z * sol.kappa + np.einsum("nj,nji->ni", zc * zz, dkc)) * inverse[:, None]
+    return Potential(y, by_J, by_c, inverse, zz, dkJ, dkc)
+
+
+@dataclass(slots=True)
+class ByBound:
+    """Derivatives of kappa by the densities of solid-bound molecules: r (n, m, b), Jr (n, m, b), rc (n, m, b, m)."""
+
+    r: Floats
+    Jr: Floats
+    rc: Floats
+
+
+def by_bound(p: Potential, pts: Points, sol: Solution) -> ByBound:
+    """First derivatives of kappa by referential densities, and mixed ones with J and c."""
+    z, free, cF = sol.z, pts.J - sol.phi0, sol.cF
+    zc2 = z * z * sol.c
+    third = (z * zc2 * sol.kappa).sum(axis=1) * p.S
+    # dln zeta / d rho_b
+    y_r = -(cF[:, None] / sol.bound_density + sol.bound_charge / sol.molar) / free[:, None] * p.S[:, None]
+    y_Jr = y_r * (1.0 / free + (zc2 * sol.dkdJ).sum(axis=1) * p.S + p.by_J)[:, None]
+    y_Jr += (cF / free**2 * p.S)[:, None] / sol.bound_density
+    own = z * z * sol.kappa + np.einsum("nj,nji->ni", zc2 * p.zz, p.by_c_k)
+    y_rc = y_r[:, :, None] * (p.by_c * (1.0 + third[:, None]) - own * p.S[:, None])[:, None, :]
+    k = sol.kappa
+    r = (z * k)[:, :, None] * y_r[:, None, :]
+    slope = z * (p.by_J_k * p.zz + (z - 1.0) * k * p.by_J[:, None])
+    Jr = slope[:, :, None] * y_r[:, None, :] + (z * k)[:, :, None] * y_Jr[:, None, :]
+    mixed = z[:, None] * (p.zz[:, :, None] * p.by_c_k + ((z - 1.0) * k)[:, :, None] * p.by_c[:, None, :])
+    rc = mixed[:, :, None, :] * y_r[:, None, :, None] + (z * k)[:, :, None, None] * y_rc[:, None, :, :]
+    return ByBound(r, Jr, rc)

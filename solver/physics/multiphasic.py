@@ -1,0 +1,195 @@
+"""A porous solid, its fluid and solutes: displacement, effective fluid pressure and effective concentrations.
+
+One physics for FEBio's biphasic-solute, triphasic and multiphasic materials: what differs between them is data
+(:class:`..multiphasic.material.Mixture`). Backward Euler; FEBio theory manual, "Multiphasic" finite elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..fields import DISPLACEMENT, PRESSURE, Field, concentration
+from ..kernels.mixture import subtract
+from ..multiphasic.fields import Fields, Instant
+from ..multiphasic.integrals import at_points, forces, matrices, operators
+from ..multiphasic.material import Mixture
+from ..multiphasic.tangent import point_tangent
+from ..multiphasic.voigt import full
+from ..points import Points
+from . import register
+from .base import Floats, Physics, Work
+from .standard import StandardWork
+
+if TYPE_CHECKING:
+    from ..group import Chunk, Group
+    from ..state import State
+    from ..tangent import Target, Workspace
+
+_EYE = np.eye(3)
+CACHE = 4 << 20  # bytes of point tangents at a time
+
+
+class MultiphasicWork(StandardWork):
+    """``at``: what the mixture keeps at the points (:class:`..multiphasic.fields.Fields`)."""
+
+    def __init__(self, group: Group, physics: Multiphasic) -> None:
+        super().__init__(group, physics)
+        self.mix = physics.mixture
+        self.at = Fields(self.mix, group.points())
+        self.steady = self.started = False
+        self.scalars = group.columns[DISPLACEMENT.width :]
+
+    def symmetric(self, steady: bool) -> bool:
+        return False
+
+    # ---- pieces -------------------------------------------------------------------------------------
+    def _at(self, lo: int, hi: int, state: State) -> tuple[slice, Points]:
+        """The points of elements lo:hi, as a slice of all and as a batch."""
+        g = self.group
+        q = slice(lo * g.g, hi * g.g)
+        pts = Points(g.F.reshape(-1, 3, 3)[q], g.J.reshape(-1)[q], g.Xg[q], np.repeat(np.arange(lo, hi), g.g))
+        pts.t, pts.dt = state.time, state.dt
+        pts.Q = self._axes(lo, hi)
+        return q, pts
+
+    def _axes(self, lo: int, hi: int) -> Floats | None:
+        Q = self.group.block.axes
+        if Q is None:
+            return None
+        return np.repeat(Q[lo:hi], self.group.g, axis=0) if Q.ndim == 3 else Q[lo:hi].reshape(-1, 3, 3)
+
+    def _operators(self, lo: int, hi: int) -> Floats:
+        g = self.group
+        return operators(lo, hi, g.N, g.dN, g.iJ0, g.F, g.J)
+
+    def _pieces(self, c: Chunk) -> Iterator[tuple[int, int]]:
+        """Elements lo:hi of a chunk whose point tangents stay in the cache."""
+        size = max(1, CACHE // (8 * 16 * len(self.group.columns) ** 2 * self.group.g))
+        for lo in range(c.lo, c.hi, size):
+            yield lo, min(lo + size, c.hi)
+
+    # ---- update -------------------------------------------------------------------------------------
+    def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
+        super().update(c, state, drive)
+        self._evaluate(c.lo, c.hi, state, Instant(state.dt, self.steady) if self.started else None)
+
+    def _evaluate(self, lo: int, hi: int, state: State, now: Instant | None) -> None:
+        q, pts = self._at(lo, hi, state)
+        nodal = state.d[:, self.scalars][self.group.conn[lo:hi]]
+        self.at.update(q, pts, at_points(self._operators(lo, hi), nodal), now)
+
+    def _stress(self, q: slice) -> Floats:
+        """Total stress (n, 3, 3) at the points ``q``."""
+        return full(self.s.reshape(-1, 6)[q]) - self.at.pa[q, None, None] * _EYE
+
+    # ---- residual and tangent -----------------------------------------------------------------------
+    def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
+        g, self.steady = self.group, steady
+        q, pts = self._at(lo, hi, state)
+        stress = self.at.stress(q, pts, self._stress(q), Instant(state.dt, steady))
+        f = forces(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], stress)
+        subtract(lo, hi, g.conn, g.columns, f, R)
+
+    def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
+        g, self.steady = self.group, steady
+        s, C = work.zeros("s", c.points.n, 6), work.zeros("C", c.points.n, 6, 6)
+        c.points.t, c.points.dt = state.time, state.dt
+        self.moduli(c, s, C)
+        now = Instant(state.dt, steady)
+        for lo, hi in self._pieces(c):
+            q, pts = self._at(lo, hi, state)
+            A = point_tangent(self.at, q, pts, self._stress(q), C[(lo - c.lo) * g.g : (hi - c.lo) * g.g], now)
+            K = matrices(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], A)
+            if target.pat.symmetric:  # FEBio's symmetric stiffness of a mixture is the mean of the two triangles
+                K = 0.5 * (K + K.transpose(0, 2, 1))
+            target.add(g, lo, hi, K)
+
+    # ---- steps --------------------------------------------------------------------------------------
+    def begin_step(self, state: State) -> None:
+        g = self.group
+        _, pts = self._at(0, g.m, state)
+        if not self.started:
+            self._evaluate(0, g.m, state, None)
+            self.started = True
+        self.at.begin_step(pts)
+
+    def rates(self) -> list[tuple[Floats, Floats]]:
+        raise NotImplementedError("second-order steps of mixtures with solutes")
+
+    def snapshot(self) -> dict[str, Floats]:
+        return super().snapshot() | {f"mixture {k}": v for k, v in self.at.snapshot().items()}
+
+    def restore(self, saved: dict[str, Floats]) -> None:
+        super().restore(saved)
+        self.at.restore({k.removeprefix("mixture "): v for k, v in saved.items() if k.startswith("mixture ")})
+
+    # ---- what others ask ----------------------------------------------------------------------------
+    def permeability(self, pts: Points) -> Floats:
+        k = np.zeros((pts.n, 6))
+        self.mix.permeability.permeability(pts, self.mix.phi0(pts.t, pts.X, pts.e), k, None)
+        return k
+
+    def _points(self, values: Floats) -> Floats:
+        """Values (m g, ...) by element and point."""
+        return values.reshape(self.group.m, self.group.g, *values.shape[1:])
+
+    def total_stress(self) -> Floats:
+        """Stress of the mixture (m, g, 6)."""
+        s = self.s.copy()
+        s[..., :3] -= self._points(self.at.pa)[..., None]
+        return s
+
+    def by_solute(self, values: Floats) -> Floats:
+        """Values (m g, solute of the material, ...) for all solutes of the model, zero where the material has none."""
+        return self._spread(values, [s.index for s in self.mix.solutes], self.mix.model_solutes)
+
+    def by_bound(self, values: Floats) -> Floats | None:
+        """Likewise for solid-bound molecules; None where the model has none."""
+        if not self.mix.model_bound:
+            return None
+        return self._spread(values, [s.index for s in self.mix.solid_bound], self.mix.model_bound)
+
+    def _spread(self, values: Floats, indices: list[int], n: int) -> Floats:
+        out = np.zeros((len(values), n, *values.shape[2:]))
+        out[:, indices] = values
+        return self._points(out.reshape(len(values), -1))
+
+    outputs = {
+        **StandardWork.outputs,
+        "stress": lambda w: w.total_stress(),
+        "fluid pressure": lambda w: w._points(w.at.pa),
+        "fluid flux": lambda w: w._points(w.at.w),
+        "porosity": lambda w: w._points(np.maximum(1.0 - w.at.phi0 / w.at.J, 0.0)),
+        "referential solid volume fraction": lambda w: w._points(w.at.phi0),
+        "solute concentration": lambda w: w.by_solute(w.at.ca),
+        "partition coefficient": lambda w: w.by_solute(w.at.kappa),
+        "solute flux": lambda w: w.by_solute(w.at.j),
+        "electric potential": lambda w: w._points(w.at.electric_potential()),
+        "current density": lambda w: w._points(w.at.current_density()),
+        "fixed charge density": lambda w: w._points(w.at.cF),
+        "referential fixed charge density": lambda w: w._points(w.at.referential_fixed_charge()),
+        "osmolarity": lambda w: w._points(w.at.solution(slice(None)).osmolarity()),
+        "sbm concentration": lambda w: w.by_bound(w.at.solution(slice(None)).bound_concentration(w.at.J)),
+        "sbm referential apparent density": lambda w: w.by_bound(w.at.bound),
+    }
+
+
+@dataclass(eq=False)
+class Multiphasic(Physics):
+    """``mixture``: fluid, solutes and charges."""
+
+    mixture: Mixture
+    name: ClassVar[str] = "multiphasic"
+    rates: ClassVar[bool] = True
+    work: ClassVar[type[Work]] = MultiphasicWork
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        return DISPLACEMENT, PRESSURE, *(concentration(s.index + 1) for s in self.mixture.solutes)
+
+
+register(Multiphasic, "multiphasic")

@@ -1,0 +1,13 @@
+"""Solubilities of solutes by FEBio's type names; a file is read when its type is first asked for."""
+
+from __future__ import annotations
+
+from ..registry import Registry
+from .base import Solubility
+
+TYPES = {
+    "solub-const": "const",
+    "solub-Manning": "manning",
+}
+_all: Registry[Solubility] = Registry(__name__, TYPES)
+register, known, load = _all.register, _all.known, _all.load
