@@ -8,22 +8,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout
 from febkit.solver.permeabilities.const_iso import ConstIso
-from febkit.solver.problem import (
-    TRANSIENT,
-    Block,
-    Fixed,
-    Mixture,
-    NewtonOptions,
-    P,
-    Prescribed,
-    Problem,
-    Step,
-)
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Block, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from febkit.solver.values import Constant, Scaled
 
+LAYOUT = Layout([DISPLACEMENT, PRESSURE])
+X, Y, Z = LAYOUT.displacement.tolist()  # columns of the unknowns
+P = LAYOUT.column("p")
 E, V, K = 0.6, 0.2, 0.5  # MPa, -, mm^4/(N s)
 RATE, HOLD = -1e-4, 1.0  # mm/s until 1 s; the column is 1 mm high
 
@@ -32,22 +27,22 @@ def column(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and n hexahedra of a column, thinner towards the drained top."""
     z = 1.0 - (1.0 - np.linspace(0.0, 1.0, n + 1)) ** 1.6
     square = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)]
-    X = np.array([(x, y, h) for h in z for x, y in square])
+    nodes = np.array([(x, y, h) for h in z for x, y in square])
     k = 4 * np.arange(n)[:, None]
-    return X, np.hstack([k + np.arange(4), k + 4 + np.arange(4)])
+    return nodes, np.hstack([k + np.arange(4), k + 4 + np.arange(4)])
 
 
 def problem(n: int, dt: float) -> Problem:
     """Sides fixed, bottom fixed and tight, top drained and moved."""
-    X, conn = column(n)
+    nodes, conn = column(n)
     bottom, top = np.arange(4), np.arange(4 * n, 4 * n + 4)
     move = Scaled(Constant(RATE * HOLD), lambda t: min(t / HOLD, 1.0))
     step = Step(analysis=TRANSIENT, dt=dt, count=round(2.0 / dt), newton=NewtonOptions(symmetric=True))
-    step.conditions = [Fixed(0, np.arange(len(X))), Fixed(1, np.arange(len(X))), Fixed(2, bottom),
-                       Prescribed(2, top, move), Fixed(P, top)]  # fmt: skip
-    mixture = Mixture(ConstIso(K), Constant(0.2))
-    block = Block("column", "hex8", conn, np.arange(1, n + 1), IsotropicElastic(E, V), mixture)
-    return Problem(X, [block], [step])
+    step.conditions = [Fixed(X, np.arange(len(nodes))), Fixed(Y, np.arange(len(nodes))), Fixed(Z, bottom),
+                       Prescribed(Z, top, move), Fixed(P, top)]  # fmt: skip
+    physics = Biphasic(ConstIso(K), Constant(0.2))
+    block = Block("column", "hex8", conn, np.arange(1, n + 1), IsotropicElastic(E, V), physics)
+    return Problem(nodes, [block], [step])
 
 
 def series(t: np.ndarray) -> np.ndarray:
@@ -70,7 +65,7 @@ class Stress(Listener):
 
     def converged(self, run: Run, counts: object) -> None:
         self.times.append(run.state.time)
-        self.stress.append(run.state.reaction[-4:, 2].sum() / 0.01)
+        self.stress.append(run.state.reaction[-4:, Z].sum() / 0.01)
 
 
 def main(n: int = 20, dt: float = 0.025) -> float:

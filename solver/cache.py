@@ -59,7 +59,7 @@ def write(path: Path, body: bytes) -> None:
     """Keep ``body`` under this name, where that can be done: readers see the old file or the new one, whole."""
     import tempfile
 
-    if not _ready(path.parent):
+    if not ready(path.parent):
         return
     try:
         handle, beside = tempfile.mkstemp(prefix=f"{path.stem}.", dir=path.parent)  # for this user alone
@@ -82,7 +82,7 @@ def turn(path: Path) -> Iterator[None]:
     The lock ends with the process that holds it; where files cannot be locked, all make their own.
     """
     beside, held = path.with_suffix(".lock"), None
-    if _ready(path.parent):
+    if ready(path.parent):
         with suppress(OSError):
             held = os.open(beside, os.O_RDWR | os.O_CREAT, 0o600)
             end = time.monotonic() + WAIT
@@ -97,7 +97,7 @@ def turn(path: Path) -> Iterator[None]:
             os.close(held)
 
 
-def _ready(folder: Path) -> bool:
+def ready(folder: Path) -> bool:
     """Make the folder where it is not there; False where it cannot be made, or is not this user's alone."""
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -45,6 +45,7 @@ class _Kept(NullCache):  # type: ignore[misc]
     def load_overload(self, signature: Any, target: Any) -> Any:
         body = cache.read(self._path(signature))
         if body is None:
+            cache.ready(self.folder)  # whether what is compiled now will be kept is said before
             return None
         target.refresh()
         try:

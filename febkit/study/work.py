@@ -70,6 +70,7 @@ def solve(job: Job) -> None:
     if not result.converged:
         raise SolveFailed(result.reason)
     job.record["steps"], job.record["iterations"] = result.totals.steps, result.totals.iterations
+    job.record["compiling_seconds"] = round(result.totals.seconds.get("compiling", 0.0), 3)  # in "seconds" too
     job.record["warnings"] = said
     job.record["peak_memory_mb"] = _peak_memory()
 
