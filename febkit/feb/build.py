@@ -20,6 +20,7 @@ from febkit.model import (
     Output,
     PlotVariable,
     Step,
+    Where,
 )
 
 from . import mesh as mesh_section
@@ -80,7 +81,7 @@ class ModelBuilder:
             elif tag.name in STEP_SECTIONS:
                 self._extend(self.common, tag)
             else:
-                self.unknown.append(component(tag, self.doc))
+                self.unknown.append(component(tag, self.doc, self._place(tag)))
         control = self.common.pop("control", None)
         steps = tuple(self.steps)
         if control is not None:
@@ -89,9 +90,13 @@ class ModelBuilder:
         return Model(version="4.0", mesh=self.fields.pop("mesh", none), common=Step(**self.common),
                      steps=steps, file=self.file, unknown=tuple(self.unknown), **self.fields)
 
+    def _place(self, tag: Tag) -> Where:
+        """Of a section; the file where a conversion has made it."""
+        return tag.where if tag.doc is not None else Where(self.file)
+
     def _extend(self, out: dict[str, Any], tag: Tag) -> None:
         field = STEP_SECTIONS[tag.name]
-        out[field] = out.get(field, ()) + tuple(component(c, self.doc) for c in tag)
+        out[field] = out.get(field, ()) + tuple(component(c, self.doc, self._place(tag)) for c in tag)
 
     def _add(self, field: str, records: tuple[Any, ...]) -> None:
         self.fields[field] = self.fields.get(field, ()) + records
@@ -100,7 +105,7 @@ class ModelBuilder:
         self.fields["module"] = tag.get("type") or "solid"
         units = tag.child("units")
         self.fields["units"] = tag.get("units") or (units.text.strip() if units is not None else None)
-        self.fields["module_spec"] = component(tag, self.doc)
+        self.fields["module_spec"] = component(tag, self.doc, self._place(tag))
 
     def globals(self, tag: Tag) -> None:
         other = []
@@ -110,12 +115,12 @@ class ModelBuilder:
             elif c.name == "Variables":
                 self.fields["variables"] = {k.need("name"): (floats(k) or [0.0])[0] for k in c}
             else:
-                other.append(component(c, self.doc))
+                other.append(component(c, self.doc, self._place(tag)))
         if other:
             self.unknown.append(Component("Globals", children=tuple(other), where=tag.where))
 
     def material(self, tag: Tag) -> None:
-        self._add("materials", tuple(component(c, self.doc) for c in tag))
+        self._add("materials", tuple(component(c, self.doc, self._place(tag)) for c in tag))
 
     def mesh(self, tag: Tag) -> None:
         if "mesh" in self.fields:
@@ -129,7 +134,7 @@ class ModelBuilder:
             if kind is None:
                 raise InputError(f"<{c.name}> does not belong in <MeshDomains>", c.where)
             out.append(Domain(c.need("name"), kind, c.get("mat") or "", c.get("type"),
-                              component(c, self.doc), c.where))
+                              component(c, self.doc, self._place(tag)), c.where))
         self._add("domains", tuple(out))
 
     def mesh_data(self, tag: Tag) -> None:
@@ -140,7 +145,7 @@ class ModelBuilder:
             kind, set_attr, row = DATA_KINDS[c.name]
             items, values = data_values(c, row)
             if items is None:
-                spec = component(c, self.doc)
+                spec = component(c, self.doc, self._place(tag))
             else:  # the rows are in ``items`` and ``values``
                 head = Tag(c.name, c.attrs, "", [], c.line, c.doc)
                 spec = component(head)
@@ -153,7 +158,7 @@ class ModelBuilder:
     def load_data(self, tag: Tag) -> None:
         out = []
         for c in tag:
-            spec = component(c, self.doc)
+            spec = component(c, self.doc, self._place(tag))
             if c.name != "load_controller" or spec.id is None:
                 raise InputError(f"<{c.name}> in <LoadData> must be <load_controller id= type=>", c.where)
             points: tuple[tuple[float, float], ...] = ()
@@ -164,7 +169,7 @@ class ModelBuilder:
         self._add("controllers", tuple(out))
 
     def control(self, tag: Tag) -> None:
-        self.common["control"] = component(tag, self.doc)
+        self.common["control"] = component(tag, self.doc, self._place(tag))
 
     def step(self, tag: Tag) -> None:
         for s in tag:
@@ -173,7 +178,7 @@ class ModelBuilder:
             fields: dict[str, Any] = {"name": s.get("name"), "where": s.where}
             for c in s:
                 if c.name == "Control":
-                    fields["control"] = component(c, self.doc)
+                    fields["control"] = component(c, self.doc, self._place(tag))
                 elif c.name in STEP_SECTIONS:
                     self._extend(fields, c)
                 else:
@@ -181,7 +186,7 @@ class ModelBuilder:
             self.steps.append(Step(**fields))
 
     def discrete(self, tag: Tag) -> None:
-        self._add("discrete", tuple(component(c, self.doc) for c in tag))
+        self._add("discrete", tuple(component(c, self.doc, self._place(tag)) for c in tag))
 
     def output(self, tag: Tag) -> None:
         out = self.fields.get("output", Output())

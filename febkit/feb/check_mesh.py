@@ -54,11 +54,14 @@ def jacobians(block: ElementBlock, X: Floats) -> Floats | None:
     if found is None:
         return None
     shape, n, _ = found
+    if not len(block.conn):
+        return np.zeros(0)
     out = np.full(len(block.conn), np.inf)
     corners = np.ascontiguousarray(X[block.conn[:, :n]].transpose(0, 2, 1))  # (element, 3, node)
     for g in GRADIENTS[shape]:
         (a, b, c), (d, e, f), (p, q, r) = (corners @ g).transpose(1, 2, 0)
-        np.minimum(out, a * (e * r - f * q) - b * (d * r - f * p) + c * (d * q - e * p), out=out)
+        with np.errstate(over="ignore", invalid="ignore"):  # of coordinates near 1e308
+            np.minimum(out, a * (e * r - f * q) - b * (d * r - f * p) + c * (d * q - e * p), out=out)
     return out
 
 
@@ -90,7 +93,7 @@ def check(model: Model) -> Iterator[Finding]:
         det = jacobians(b, mesh.X)
         if det is None:
             continue
-        bad = np.flatnonzero(det <= 0)
+        bad = np.flatnonzero(~((det > 0) & (det < np.inf)))
         if len(bad):
             severity = "error" if CORNERS[b.type][2] else "warning"
             message = (f'part "{b.name}": {len(bad)} of {len(det)} elements are turned inside out or flat, '

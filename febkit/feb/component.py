@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from febkit.model import Component, values
+from febkit.model import Component, Where, values
 
 from .document import Document, Tag
 
+NOWHERE = Where()
 
-def component(tag: Tag, doc: Document | None = None) -> Component:
-    """The component a tag spells; ``doc`` remembers where each came from."""
+
+def component(tag: Tag, doc: Document | None = None, above: Where = NOWHERE) -> Component:
+    """The component a tag spells; ``doc`` remembers where each came from.
+
+    ``above``: the place of the tag around it, which stands for that of a tag that a conversion has made.
+    """
+    where = tag.where if tag.doc is not None else above
     attrs = dict(tag.attrs)
     type_, name, label = attrs.pop("type", None), attrs.pop("name", None), attrs.pop("id", None)
     number: int | None = None
     if label is not None:
-        number = values.label(label, f"id= of <{tag.name}>", tag.where)
+        number = values.label(label, f"id= of <{tag.name}>", where)
     if tag.table is not None:
         children = tuple(rows(tag))
     else:
-        children = tuple(component(c, doc) for c in tag.children)
-    out = Component(tag.name, type_, name, number, tag.text.strip(), attrs, children, tag.where)
+        children = tuple(component(c, doc, where) for c in tag.children)
+    out = Component(tag.name, type_, name, number, tag.text.strip(), attrs, children, where)
     if doc is not None:
         doc.origin[id(out)] = tag
     return out

@@ -30,8 +30,11 @@ def read(path: str | PathLike[str]) -> Model:
 def read_bytes(data: bytes, file: str = "") -> Model:
     """The model in the bytes of a .feb file; ``file`` names it in messages and locates its includes."""
     doc = parse(data, file)
-    root, own = tree(doc, file)
-    model = ModelBuilder(root, file, doc if own else None).build()
+    try:
+        root, own = tree(doc, file)
+        model = ModelBuilder(root, file, doc if own else None).build()
+    except InputError as e:  # of a tag that a conversion has made
+        raise e if e.where is not None and e.where.file else type(e)(e.message, Where(file)) from None
     object.__setattr__(model, "version", doc.root.need("version"))
     object.__setattr__(model, "document", doc)
     doc.baseline, doc.own = model, own

@@ -24,9 +24,13 @@ def lower(model: Model) -> Problem:
 
     Raises UnsupportedError, naming every feature febkit does not solve, and InputError for bad input.
     """
-    problem, refused = _lower(as_record(model))
-    if refused:
-        raise together(refused)
+    record = as_record(model)
+    try:
+        problem, refused = _lower(record)
+        if refused:
+            raise together(refused)
+    except InputError as e:
+        raise e if e.where is not None and e.where.file else type(e)(e.message, Where(record.file)) from None
     assert problem is not None
     return problem
 

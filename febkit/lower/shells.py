@@ -70,12 +70,25 @@ def thickness(ctx: Context, d: Domain, needed: bool = True) -> np.ndarray:
     return out
 
 
+def _check_normals(ctx: Context, b: Block, d: Domain) -> None:
+    """Each corner of a shell spans a plane with the nodes next to it; an element without has no normal."""
+    x = ctx.model.mesh.X[b.conn]
+    n = np.cross(np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x)
+    size = np.linalg.norm(n, axis=2)
+    flat = ~((size > 0) & np.isfinite(size)).all(axis=1)
+    if flat.any():
+        where = f'shell element {b.ids[int(np.argmax(flat))]} of part "{b.name}"'
+        raise InputError(f"{where} has no normal: its nodes lie on a line or in one place", d.where)
+
+
 def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tuple[np.ndarray, np.ndarray]:
     """Make shell blocks thick, in place; ``domains`` gives the domain of each shell block.
 
     Returns the nodes (mesh and back) and each mesh node's back node (-1 where it has none).
     """
     shells = [b for b in blocks if b.name in domains]
+    for b in shells:
+        _check_normals(ctx, b, domains[b.name])
     solids = [b for b in blocks if b.name not in domains]
     made = thicken(
         ctx.model.mesh.X,
