@@ -12,7 +12,7 @@ import numpy as np
 from febkit.model import Component, Model, Step, Where
 from febkit.model.sets import element_ids, map_items, missing, node_indices, surface
 from febkit.model.source import InputError
-from febkit.model.values import near
+from febkit.model.values import TRUE, near
 
 from .findings import Finding
 
@@ -162,7 +162,9 @@ class Names:
 
 
 def below(known: Names, c: Component) -> Iterator[Finding]:
-    """Curves, maps and rigid bodies anywhere in a tree."""
+    """Curves, maps and rigid bodies anywhere in a tree, and words where FEBio wants 0 or 1."""
+    if c.text.lower() in TRUE:
+        yield Finding("warning", f'<{c.tag}>: FEBio 4.11 reads "{c.text}" as 0, febkit as 1; write 1', c.where)
     try:
         lc = c.lc
     except InputError as e:

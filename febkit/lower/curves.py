@@ -18,7 +18,7 @@ class Curve:
         self.curve, self.points = curve, curve.points
 
     def __call__(self, x: Any) -> Any:
-        return np.vectorize(self.curve)(x)
+        return np.vectorize(self.curve, otypes=[float])(x)  # also of no numbers
 
 
 def curve(ctx: Context, c: Component) -> Any:

@@ -210,23 +210,30 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
         default = _defaults(cls).get(name)
         fields[name] = ctx.components(c, len(default), part) if isinstance(default, tuple) else ctx.value(c, maps=part)
     elif name in cls.options:
-        fields[name] = _option(c)
+        fields[name] = _option(c, spec.type or spec.tag)
     elif c.tag == "density" and hasattr(cls, "density_"):
         fields["density_"] = ctx.value(c, maps=part)
     elif c.tag == "k" and getattr(cls, "uncoupled", False):
         fields["k"] = ctx.value(c, maps=part)
     elif c.tag == "pressure_model" and getattr(cls, "uncoupled", False):
-        fields["pressure_model"] = _option(c)
+        fields["pressure_model"] = _option(c, spec.type or spec.tag)
     elif c.tag not in IGNORED:
         ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
 
 
-def _option(c: Component) -> int:
+MOST = 100_000  # of an option: steps over a circle, terms of a series
+
+
+def _option(c: Component, type_: str) -> int:
     """A flag, a whole number, or the word that stands for one."""
     words = ranges.WORDS.get(c.tag, ())
     if words and not values.spells_number(c.text):
         return c.as_choice({w: k for k, w in enumerate(words)})
-    return int(c.as_bool()) if c.text.strip().lower() in values.TRUE | values.FALSE else c.as_int()
+    flag = c.tag not in ranges.of(type_) and c.text.strip().lower() in values.TRUE | values.FALSE
+    n = int(c.as_bool()) if flag else c.as_int()
+    if n > MOST:
+        raise InputError(f"<{c.tag}> must be at most {MOST}, not {n}", c.where)
+    return n
 
 
 def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:

@@ -176,3 +176,16 @@ def test_a_part_without_elements_is_left_out(tmp_path):
     bare = re.sub(r"<elem .*?</elem>", "", text)
     with pytest.raises(InputError, match="no elements to solve for"):
         cube.problem(tmp_path, bare)
+
+
+def test_words_for_flags_are_doubted(tmp_path):
+    """FEBio reads the digits of a flag, so that "true" is 0 there; it is 1 here."""
+    text = cube.text(NEO.format(1, 0.3)).replace("<x_dof>1<", "<x_dof>true<")
+    said = [f for f in (validate_text(tmp_path, text)) if 'reads "true" as 0' in f.message]
+    assert [f.severity for f in said] == ["warning"]
+    assert [c.column for c in cube.problem(tmp_path, text).common.conditions] == [0, 1, 2]
+
+
+def validate_text(folder, text):
+    (folder / "m.feb").write_text(text)
+    return validate(folder / "m.feb", solvable=True)

@@ -126,3 +126,17 @@ def test_what_the_solver_calls_has_a_protocol(path: Path) -> None:
     """Loads, contacts and laws say what they do by methods with defaults, not by what they lack."""
     calls = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
     assert not [n.lineno for n in calls if isinstance(n.func, ast.Name) and n.func.id == "hasattr"]
+
+
+def _reads_text(call: ast.Call) -> bool:
+    """True for ``float(leaf.text)``, ``int(c.str("tag"))``, ``float(c.attrs["lc"])`` and the like."""
+    inside = [n for a in call.args for n in ast.walk(a)]
+    return any(isinstance(n, ast.Attribute) and n.attr in ("text", "str", "attrs") for n in inside)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "febkit" / "lower").glob("*.py")), ids=lambda p: p.name)
+def test_lowering_reads_values_in_one_way(path: Path) -> None:
+    """Text becomes a number in febkit.model.values only, which names the tag and the line where it is none."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("float", "int"):
+            assert not _reads_text(node), f"{path}:{node.lineno}"
