@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from febkit.feb import read
@@ -182,3 +183,13 @@ def test_an_initial_displacement_is_a_vector(tmp_path: Path) -> None:
 def read_text(folder: Path, content: str) -> Model:
     (folder / "cube.feb").write_text(content)
     return read(folder / "cube.feb")
+
+
+def test_springs_of_an_empty_set_pull_at_nothing(tmp_path: Path) -> None:
+    """Their curve was asked for no forces and raised."""
+    points = "<interpolate>linear</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>"
+    text = section(DISCRETE.format(f'<force type="point">{points}</force>'))
+    problem = lower(cube.read(tmp_path, text.replace("</Mesh>", '<DiscreteSet name="d"></DiscreteSet></Mesh>')))
+    springs = problem.common.loads[0]
+    assert springs.force(np.zeros(0)).shape == (0,)
+    assert springs.force(np.array([0.5])).tolist() == [0.5]
