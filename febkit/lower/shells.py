@@ -96,7 +96,8 @@ def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tupl
         [Solid(b.element, b.conn) for b in solids],
     )
     if not np.isfinite(made.X).all():
-        raise InputError("the thickness of a shell is too large: its back nodes have no position", domains[shells[0].name].where)
+        where = domains[shells[0].name].where
+        raise InputError("the thickness of a shell is too large: its back nodes have no position", where)
     for b, conn in zip([*shells, *solids], [*made.shells, *made.solids], strict=True):
         b.conn = conn
     for b in shells:

@@ -65,7 +65,11 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
         kw["L0"] = m.float("L0", 0.0)
         kw |= {t: curve(ctx, m.need(t)) for t in ("Sv", "Ftl", "Fvl") if m.child(t) is not None}
     ctx.check_tags(m, known)
-    out.loads.append(cls(pairs, np.linalg.norm(x[:, 1] - x[:, 0], axis=1), **kw))
+    lengths = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
+    if kw.get("measure") in ("strain", "stretch") and not (lengths > 0).all():
+        a, b = ctx.model.mesh.node_ids[pairs[int(np.argmin(lengths))]]
+        raise InputError(f'{c.what}: nodes {a} and {b} of "{name}" are in one place: no {kw["measure"]}', c.where)
+    out.loads.append(cls(pairs, lengths, **kw))
 
 
 def _place(ctx: Context, node: int, dof: str, where: Where) -> tuple[int, int]:

@@ -18,6 +18,9 @@ from helpers import cube
 SOLID = '<material id="1" name="m" type="neo-Hookean"><E>{E}</E><v>0.3</v>{more}</material>'
 FIBER = """<material id="1" name="m" type="coupled trans-iso Mooney-Rivlin"><c1>1</c1><c2>0</c2><c3>1</c3><c4>1</c4>
 <c5>1</c5><lam_max>1.1</lam_max><k>10</k>{}</material>"""
+SCHEME = """<material id="1" name="m" type="continuous fiber distribution">
+<fibers type="fiber-exp-pow"><alpha>0</alpha><beta>2</beta><ksi>1</ksi></fibers>
+<distribution type="spherical"/><scheme type="fibers-3d-gauss"><nph>5</nph><nth>{}</nth></scheme></material>"""
 DAMPED = SOLID.format(E=1, more="")
 BOUNDARY = '<bc type="prescribed displacement" node_set="top"><dof>z</dof><value lc="1">0.1</value></bc>'
 CURVE = """<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><extend>CONSTANT</extend>
@@ -106,6 +109,14 @@ BAD = {
                                 "</points></force>")).replace(
             "</Mesh>", '<DiscreteSet name="d"><delem>1,5</delem></DiscreteSet></Mesh>'),
         'interpolation "curly" is unknown',
+    ),
+    "empty option": (material(SCHEME.format("")), "<nth> must be a number, not ''"),
+    "word for a number": (material(SCHEME.format("true")), "<nth> must be a number, not 'true'"),
+    "huge option": (material(SCHEME.format("2147483647")), "<nth> must be at most 100000"),
+    "spring of no length": (
+        section(DISCRETE.format('<measure>strain</measure><force type="math">x</force>')).replace(
+            "</Mesh>", '<DiscreteSet name="d"><delem>1,1</delem></DiscreteSet></Mesh>'),
+        'nodes 1 and 1 of "d" are in one place: no strain',
     ),
     "set": (boundary('"top"', '"topp"'), 'there is no node set "topp"; did you mean "top"'),
 }  # fmt: skip
