@@ -96,7 +96,7 @@ def _attach(X: Floats, back: Ints, shells: Sequence[Shell], solids: Sequence[Sol
     faces = [_faces(q) for q in solids]
     for s in shells:
         normal = _normals(X, s.conn)
-        corners = 4 if s.facet.startswith("quad") else 3
+        corners = elements.shape(s.facet).corners
         first: tuple[int, int] | None = None  # shell element and solid part of the first attachment
         for k, of_part in enumerate(faces):
             for row, corner in enumerate(np.sort(s.conn[:, :corners], axis=1)):
@@ -123,7 +123,7 @@ def _faces(solid: Solid) -> dict[tuple[int, ...], list[tuple[int, tuple[int, ...
     """Faces of a part by their sorted corner nodes: (element, local nodes)."""
     out: dict[tuple[int, ...], list[tuple[int, tuple[int, ...]]]] = {}
     for kind, loop in elements.get(solid.element).facets:
-        corners = np.sort(solid.conn[:, loop[: 4 if kind.startswith("quad") else 3]], axis=1)
+        corners = np.sort(solid.conn[:, loop[: elements.shape(kind).corners]], axis=1)
         for element, corner in enumerate(corners.tolist()):
             out.setdefault(tuple(corner), []).append((element, loop))
     return out

@@ -7,24 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Ints
 
-# outward corner facets of each element type (FEBio User Manual, mesh section)
-_HEX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_TET = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-_PENTA = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
-# the mid-edge nodes of the same facets, in the order of FEBio's quad8 and tri6
-_HEX20 = (
-    (0, 3, 2, 1, 11, 10, 9, 8), (4, 5, 6, 7, 12, 13, 14, 15), (0, 1, 5, 4, 8, 17, 12, 16),
-    (1, 2, 6, 5, 9, 18, 13, 17), (2, 3, 7, 6, 10, 19, 14, 18), (3, 0, 4, 7, 11, 16, 15, 19),
-)
-_HEX27 = tuple((*corners, centre) for corners, centre in zip(_HEX20, (24, 25, 20, 21, 22, 23), strict=True))
-_TET10 = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9))
-FACETS: dict[str, tuple[tuple[int, ...], ...]] = {
-    "hex8": _HEX, "hex20": _HEX20, "hex27": _HEX27, "tet4": _TET, "tet10": _TET10, "penta6": _PENTA,
-}
-FACET_TYPES = {(4, 4): "quad4", (4, 8): "quad8", (4, 9): "quad9", (3, 3): "tri3", (3, 6): "tri6"}
-_CORNERS = {4: 4, 8: 4, 9: 4, 3: 3, 6: 3}
+FIRST = {"hex": 4, "tet": 3, "penta": 3}  # facets from which on each shape's bottom and top come
+
+
+def _of(kind: str) -> tuple[tuple[int, ...], ...]:
+    """Outward facets of an element type, its bottom and top first."""
+    e = ELEMENTS[kind]
+    loops, k = [nodes for _, nodes in e.facets], FIRST[e.shape]
+    return (*loops[k:], *loops[:k])
+
+
+FACETS = {kind: _of(kind) for kind in ("hex8", "hex20", "hex27", "tet4", "tet10", "penta6")}
+FACET_TYPES = {(ELEMENTS[n].corners, ELEMENTS[n].nodes): n for n in ("quad4", "quad8", "quad9", "tri3", "tri6")}
+_CORNERS = {nodes: corners for corners, nodes in FACET_TYPES}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

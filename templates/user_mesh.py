@@ -15,20 +15,20 @@ from typing import Any
 import numpy as np
 
 from febkit.model import InputError, Where
+from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Floats, Ints
 
 from .facets import between_parts
 from .parts import Parts
 from .quality import jacobians
 
-# meshio's name: FEBio's name, the corners whose swap turns an element outside in
-TYPES = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra": "tet4", "tetra10": "tet10",
-         "wedge": "penta6"}
+# the corners whose swap turns an element outside in
 MIRROR = {
     "hex8": (4, 5, 6, 7, 0, 1, 2, 3), "tet4": (0, 2, 1, 3), "penta6": (3, 4, 5, 0, 1, 2),
     "hex20": (4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19),
     "tet10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8),
 }
+TYPES = {ELEMENTS[n].meshio: n for n in MIRROR}  # meshio's name: FEBio's
 USUAL = ("part", "gmsh:physical", "medit:ref", "cell_tags", "label", "labels", "material", "MaterialID")
 
 

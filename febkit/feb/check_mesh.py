@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from febkit.model import ElementBlock, Model, Where
+from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Floats, Ints
 
 from .document import Document, Tag
@@ -16,10 +17,9 @@ _G = 1.0 / np.sqrt(3.0)
 _HEX = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
                  [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float)
 # corner nodes of the shapes whose volume is looked at, and whether the shape is its corners alone
-CORNERS = {"hex8": ("hex", 8, True), "hex20": ("hex", 8, False), "hex27": ("hex", 8, False),
-           "tet4": ("tet", 4, True), "tet5": ("tet", 4, True), "tet10": ("tet", 4, False),
-           "tet15": ("tet", 4, False), "tet20": ("tet", 4, False), "penta6": ("penta", 6, True),
-           "penta15": ("penta", 6, False)}
+CORNERS = {
+    n: (e.shape, e.corners, e.nodes <= e.corners + 1) for n, e in ELEMENTS.items() if e.dim == 3 and e.shape != "pyra"
+}
 
 
 def _hex_gradients() -> Floats:

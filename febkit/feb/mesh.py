@@ -21,21 +21,17 @@ from febkit.model import (
     SurfacePair,
     values,
 )
+from febkit.model.elements import ELEMENTS, of_dimension
 from febkit.model.mesh import Floats, Ints
 
 from .document import Tag
 
 # nodes per element, by FEBio's spelling of the type (lower case); aliases carry an integration rule
-NODES_OF = {
-    "hex8": 8, "hex20": 20, "hex27": 27, "penta6": 6, "penta15": 15, "pyra5": 5, "pyra13": 13,
-    "tet4": 4, "tet5": 5, "tet10": 10, "tet15": 15, "tet20": 20,
-    "quad4": 4, "quad8": 8, "quad9": 9, "tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10,
-    "line2": 2, "line3": 3, "truss2": 2, "beam3": 3,
-}
+NODES_OF = {name: e.nodes for name, e in ELEMENTS.items()}
 MOST = 20_000_000  # ids that one list of ranges may hold
 _INTEGERS = re.compile(r"[\s\d,:+-]*", re.ASCII)
-FACETS = {"tri3": 3, "tri6": 6, "tri7": 7, "tri10": 10, "quad4": 4, "quad8": 8, "quad9": 9}
-LINES = {"line2": 2, "line3": 3}
+FACETS = {name: NODES_OF[name] for name in of_dimension(2)}
+LINES = {"line2": 2, "line3": 3}  # edges; trusses and beams are elements
 
 
 def node_count(type_: str) -> int | None:

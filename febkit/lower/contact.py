@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from febkit.model import Component, InputError
+from febkit.model.elements import corners
 from febkit.model.sets import missing, surface
 from febkit.solver import contact as records
 from febkit.solver import elements
@@ -160,17 +161,13 @@ def _half_thickness(ctx: Context) -> np.ndarray:
 
 
 # ---- elements behind facets ---------------------------------------------------------------------------
-def _corners(kind: str) -> int:
-    return 4 if kind.startswith("quad") else 3
-
-
 def _owners(ctx: Context, out: Any) -> None:
     """Find the element behind each facet: a shell where there is one, else the first in the order of <MeshDomains>."""
     wanted: dict[tuple[str, tuple[int, ...]], list[int]] = {}
     for kind, conn in out.conn.items():
         out.owner[kind] = np.full((len(conn), 2), -1)
         out.modulus[kind] = np.zeros(len(conn))
-        for row, nodes in enumerate(conn[:, : _corners(kind)].tolist()):
+        for row, nodes in enumerate(conn[:, : corners(kind)].tolist()):
             wanted.setdefault((kind, tuple(sorted(nodes))), []).append(row)
     nodes = np.unique(np.concatenate([c.ravel() for c in out.conn.values()]))
     on = np.zeros(len(ctx.X), bool)
@@ -181,7 +178,7 @@ def _owners(ctx: Context, out: Any) -> None:
         if block is None:
             continue
         for kind, local in _faces(block.type, d.kind):
-            face = block.conn[:, list(local[: _corners(kind)])]
+            face = block.conn[:, list(local[: corners(kind)])]
             for row in np.flatnonzero(on[face].all(axis=1)).tolist():
                 for k in wanted.pop((kind, tuple(sorted(face[row].tolist()))), ()):
                     if d.material in rigid:

@@ -1,28 +1,20 @@
-"""FEBio's element types and meshio's."""
+"""FEBio's element types and meshio's, from the table of all elements."""
 
 from __future__ import annotations
 
-MESHIO: dict[str, str] = {  # FEBio -> meshio
-    "hex8": "hexahedron", "penta6": "wedge", "tet4": "tetra", "quad4": "quad", "tri3": "triangle",
-    "line2": "line", "hex20": "hexahedron20", "tet10": "tetra10", "tet15": "tetra10", "hex27": "hexahedron27",
-    "tri6": "triangle6", "quad8": "quad8", "quad9": "quad9", "penta15": "wedge15", "tet20": "tetra",
-    "tri10": "triangle", "pyra5": "pyramid", "tet5": "tetra", "pyra13": "pyramid13", "line3": "line3",
-}
+from febkit.model.elements import ELEMENTS
 
-KEPT: dict[str, int] = {"tet15": 10, "tet20": 4, "tri10": 3, "tet5": 4}  # nodes that meshio's type can hold
+_PLOTTED = {n: e for n, e in ELEMENTS.items() if e.code is not None}
+MESHIO: dict[str, str] = {n: e.meshio for n, e in _PLOTTED.items()}  # FEBio -> meshio
+KEPT: dict[str, int] = {n: e.kept for n, e in _PLOTTED.items() if not e.whole}  # nodes that meshio's type can hold
 
 # FEBio numbers the face nodes of a 27-node hexahedron -y +x +y -x -z +z, VTK -x +x -y +y -z +z
 ORDER: dict[str, list[int]] = {"hex27": [*range(20), 23, 21, 20, 22, 24, 25, 26]}
+INVERSE: dict[str, list[int]] = {f: [order.index(i) for i in range(len(order))] for f, order in ORDER.items()}
 
-FEBIO: dict[str, str] = {m: f for f, m in reversed(MESHIO.items()) if f not in KEPT}  # meshio -> FEBio
+FEBIO: dict[str, str] = {e.meshio: n for n, e in _PLOTTED.items() if e.whole}  # meshio -> FEBio
+SURFACE_TYPES: dict[int, str] = {e.nodes: n for n, e in _PLOTTED.items() if e.dim == 2 and e.whole}
 
-INVERSE: dict[str, list[int]] = {
-    f: [order.index(i) for i in range(len(order))] for f, order in ORDER.items()
-}
-
-SURFACE_TYPES: dict[int, str] = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8", 9: "quad9"}
-
-SOLIDS = frozenset({"hex8", "penta6", "tet4", "hex20", "tet10", "tet15", "hex27", "penta15", "tet20", "pyra5",
-                    "tet5", "pyra13"})
-FACETS = frozenset({"quad4", "tri3", "tri6", "quad8", "quad9", "tri10"})
-LINES = frozenset({"line2", "line3"})
+SOLIDS = frozenset(n for n, e in _PLOTTED.items() if e.dim == 3)
+FACETS = frozenset(n for n, e in _PLOTTED.items() if e.dim == 2)
+LINES = frozenset(n for n, e in _PLOTTED.items() if e.dim == 1)

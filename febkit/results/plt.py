@@ -19,6 +19,7 @@ import xarray as xr
 from xarray.core import indexing
 
 from febkit.model import InputError, Where
+from febkit.model.elements import ELEMENTS
 
 from .dataset import FrameArray, flags, name_units, short_times
 from .xplt.source import Source
@@ -223,7 +224,7 @@ def _slots(db: Database) -> dict[str, tuple[tuple[str, ...], Slot, str]]:
 
 
 _TYPES = ("hex8", "tet4", "penta6", "quad4", "line2", "tri3")
-_WIDTHS = (8, 4, 6, 4, 2, 3)
+_WIDTHS = tuple(ELEMENTS[n].nodes for n in _TYPES)
 
 
 def _mesh(db: Database, where: Where) -> tuple[dict[Hashable, Any], dict[str, Any]]:

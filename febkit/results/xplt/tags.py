@@ -6,6 +6,8 @@ payload is blocks again. Sources: FEBio 4.11 FEBioPlot/FEBioPlotFile.h, FEBioStu
 
 from __future__ import annotations
 
+from febkit.model.elements import ELEMENTS
+
 MAGIC = 0x00464542
 
 ROOT = 0x01000000
@@ -139,12 +141,9 @@ ITEM_TYPES: tuple[tuple[str, int], ...] = (  # code -> (name, values); 0: the di
     ("array", 0), ("array vec3f", 0),
 )
 
-ELEMENT_TYPES: tuple[tuple[str, int], ...] = (  # code -> (name, nodes)
-    ("hex8", 8), ("penta6", 6), ("tet4", 4), ("quad4", 4), ("tri3", 3), ("line2", 2), ("hex20", 20),
-    ("tet10", 10), ("tet15", 15), ("hex27", 27), ("tri6", 6), ("quad8", 8), ("quad9", 9), ("penta15", 15),
-    ("tet20", 20), ("tri10", 10), ("pyra5", 5), ("tet5", 5), ("pyra13", 13), ("line3", 3),
+ELEMENT_TYPES: tuple[tuple[str, int], ...] = tuple(  # code -> (name, nodes)
+    (e.name, e.nodes) for e in sorted((e for e in ELEMENTS.values() if e.code is not None), key=lambda e: e.code or 0)
 )
-
 ELEMENT_CODE: dict[str, int] = {name: code for code, (name, _) in enumerate(ELEMENT_TYPES)}
 ITEM_CODE: dict[str, int] = {name: code for code, (name, _) in enumerate(ITEM_TYPES)}
 VERSIONS: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 0x30, 0x31, 0x32, 0x33, 0x34, 0x35)
