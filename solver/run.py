@@ -239,7 +239,7 @@ class Run:
             self.tell("begin_step", self.count + 1, t)
             try:
                 counts, good = self._attempt(newton, how)
-            except (NotConverged, NotFinite, ElementFailure, LinearError) as e:
+            except (NotConverged, NotFinite, ElementFailure, LinearError, np.linalg.LinAlgError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
                 before.restore()

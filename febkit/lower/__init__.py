@@ -88,11 +88,26 @@ def _layout(model: Model, blocks: list[Block]) -> Layout:
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
-    """The midpoint rule's energy-conserving stress is not there for element-mean pressures of solids."""
+    """The midpoint rule's energy-conserving stress is not there for element-mean pressures of solids, nor for laws
+    without an energy."""
     three = any(b.physics.name == "three-field" and not b.element.startswith("shell_") for b in blocks)
     for s, spec in zip(steps, ctx.model.steps):
         if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and three:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
+        elif s.analysis == DYNAMIC and s.newton.rho_inf == 1:
+            for b in blocks:
+                if not _has_energy(b):
+                    ctx.refuse(f"<rhoi>1</rhoi> with the material of part {b.name!r}, which gives no strain energy,",
+                               spec.control.where if spec.control else None)  # fmt: skip
+
+
+def _has_energy(b: Block) -> bool:
+    """Do all laws of a block give a strain energy?"""
+    from febkit.solver.solids.base import Solid
+    from febkit.solver.solids.uncoupled import Uncoupled
+
+    given = {Solid.energy, Uncoupled.dev_energy}  # that raise
+    return not any(getattr(type(m), n, None) in given for m in b.solid.walk() for n in ("energy", "dev_energy"))
 
 
 def _end(ctx: Context, steps: list[Step]) -> None:

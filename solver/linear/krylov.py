@@ -26,12 +26,15 @@ def gmres(
 
     Returns x, M^-1 b and the preconditioned residual relative to M^-1 b. No restart: ``most`` bounds memory and
     work, and a result that has not reached ``tolerance`` is returned as it is. Where M^-1 b itself leaves less
-    than a tenth of ``tolerance`` of b (a fresh factorisation), it is the answer.
+    than a tenth of ``tolerance`` of b (a fresh factorisation), it is the answer, as it is where numbers are too large
+    for their squares.
     """
     r = precondition(b)
     beta = np.sqrt(dot(r, r))
     if beta == 0.0:
         return np.zeros_like(b), r, 0.0
+    if not np.isfinite(beta):
+        return r, r, np.inf
     left = b - matvec(A, r)
     if dot(left, left) < (0.1 * tolerance) ** 2 * dot(b, b):
         return r, r, 0.1 * tolerance
@@ -40,10 +43,14 @@ def gmres(
     best, error = np.zeros(0), beta
     for k in range(most):
         w = precondition(matvec(A, V[k])) if k else (r - precondition(left)) / beta
+        if not np.isfinite(dot(w, w)):
+            break
         best, error = _extend(V, H, w, k, beta)
         if error < tolerance * beta or H[k + 1, k] == 0.0:
             break
         V.append(w / H[k + 1, k])
+    if not len(best):
+        return r, r, np.inf
     x = np.zeros_like(b)
     for v, c in zip(V, best):
         x += c * v
@@ -78,6 +85,8 @@ def fgmres(
         for k in range(min(restart, most - used)):
             Z.append(precondition(V[k]))
             w, used = apply(Z[k]), used + 1
+            if not np.isfinite(dot(w, w)):
+                break
             best, error = _extend(V, H, w, k, beta)
             if error < 0.9 * tolerance * first or H[k + 1, k] == 0.0:
                 break

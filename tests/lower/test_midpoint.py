@@ -72,3 +72,14 @@ def test_a_three_field_solid_is_refused(tmp_path: Path) -> None:
     model = cube.read(tmp_path, dynamic(cube.text(MATERIAL, control=CONTROL, more=PULL)))
     with pytest.raises(UnsupportedError, match="three-field"):
         lower(model)
+
+
+def test_materials_without_an_energy_are_refused(tmp_path: Path) -> None:
+    """The rule divides by the energy's change; it ended in a traceback."""
+    donnan = """<material id="1" name="m" type="Donnan equilibrium"><density>1</density><phiw0>0.8</phiw0><cF0>0.2</cF0>
+<bosm>0.3</bosm></material>"""
+    constants = "<R>8.3</R><T>0.3</T>"
+    content = cube.text(donnan, constants=constants, control=CONTROL)
+    cube.problem(tmp_path, content)
+    with pytest.raises(UnsupportedError, match="gives no strain energy"):
+        cube.problem(tmp_path, dynamic(content))
