@@ -122,8 +122,10 @@ def from_text(text: str) -> Any:
 
 
 def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str, Any]],
-           given: Sequence[tuple[Mapping[str, Any], Where]]) -> dict[str, Any]:
-    """Values of all parameters: the defaults, then those of the named size, then those given, in order."""
+           given: Sequence[tuple[Mapping[str, Any], Where]],
+           brought: Mapping[str, Mapping[str, Mapping[str, Any]]] | None = None) -> dict[str, Any]:  # fmt: skip
+    """Values of all parameters: the defaults, those that a choice brings along (``brought``: parameter -> value ->
+    values of others), those of the named size, those given, in order."""
     sources: list[tuple[Mapping[str, Any], Where]] = list(given)
     size = next((v["size"] for v, _ in reversed(sources) if "size" in v), None)
     if size is not None:
@@ -131,6 +133,10 @@ def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str,
             at = next(w for v, w in reversed(sources) if "size" in v)
             raise InputError(f"size must be one of {', '.join(sizes) or 'none'}, not {size}", at)
         sources.insert(0, (sizes[size], Where()))
+    for name, cases in (brought or {}).items():
+        value = next((v[name] for v, _ in reversed(sources) if name in v), parameters[name].default)
+        if value in cases:
+            sources.insert(0, (cases[value], Where()))
     values = {name: p.default for name, p in parameters.items()}
     for table, where in sources:
         for name, value in table.items():

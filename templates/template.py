@@ -23,7 +23,7 @@ BUILT_IN = ("tissue", "cell", "embedded")
 @dataclass(frozen=True, slots=True)
 class Template:
     """What the folder says. ``model`` is the skeleton's path, ``mesh`` the name of a generator, ``names`` expressions
-    of the parameters that the skeleton uses beside them."""
+    of the parameters that the skeleton uses beside them, ``brought`` the values that a choice brings along."""
 
     name: str
     title: str
@@ -32,10 +32,11 @@ class Template:
     parameters: Mapping[str, Parameter]
     sizes: Mapping[str, Mapping[str, Any]]
     names: Mapping[str, str] = field(default_factory=dict)
+    brought: Mapping[str, Mapping[str, Mapping[str, Any]]] = field(default_factory=dict)
 
     def values(self, given: Sequence[tuple[Mapping[str, Any], Where]] = ()) -> dict[str, Any]:
         """All parameters with the values given; later tables win."""
-        return chosen(self.parameters, self.sizes, given)
+        return chosen(self.parameters, self.sizes, given, self.brought)
 
     def build(self, values: Mapping[str, Any]) -> tuple[Model, Generated]:
         """The model and its mesh."""
@@ -67,7 +68,7 @@ def _read(path: Path, depth: int) -> Template:
         raise InputError(f"cannot open the template: {e.strerror}", where) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
         raise InputError(f"not well-formed TOML: {e}", where) from None
-    unknown = set(table) - {"title", "base", "mesh", "model", "parameters", "sizes", "names"}
+    unknown = set(table) - {"title", "base", "mesh", "model", "parameters", "sizes", "names", "with"}
     if unknown:
         raise InputError(f"unknown entry '{sorted(unknown)[0]}' in a template", where)
     base = _base(table, path, depth)
@@ -80,7 +81,11 @@ def _read(path: Path, depth: int) -> Template:
         model = base.model
     sizes = dict(base.sizes if base else {}) | table.get("sizes", {})
     names = dict(base.names if base else {}) | {k: str(v) for k, v in table.get("names", {}).items()}
-    return Template(path.parent.name, str(table.get("title", "")), mesh, model, merged, sizes, names)
+    brought = dict(base.brought if base else {}) | table.get("with", {})
+    unknown = set(brought) - set(merged)
+    if unknown:
+        raise InputError(f"[with.{sorted(unknown)[0]}] names no parameter", where)
+    return Template(path.parent.name, str(table.get("title", "")), mesh, model, merged, sizes, names, brought)
 
 
 def _base(table: Mapping[str, Any], path: Path, depth: int) -> Template | None:

@@ -88,3 +88,10 @@ def test_expressions_put_lists_into_lists() -> None:
     assert evaluate("[0, *x, 9]", {"x": [1, 2]}) == [0, 1, 2, 9]
     with pytest.raises(InputError, match="not iterable"):
         evaluate("[*x]", {"x": 1}, Where("here"))
+
+
+def test_a_choice_brings_values_along_that_may_be_given_all_the_same() -> None:
+    times = [t for t, _ in charged("tissue").controllers[1].points]
+    assert charged("tissue").controllers[0].points[1] == (10, 1) and times[-1] == 200
+    assert charged("tissue", ramp=5.0).controllers[0].points[1] == (5, 1)
+    assert new("tissue", size="small").controllers[0].points[1] == (0.1, 1)
