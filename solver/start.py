@@ -39,7 +39,7 @@ def accelerate(system: System, route: Route) -> None:
 
 
 def _with_ties(system: System, route: Route, f: NDArray[np.float64]) -> None:
-    """As above, with rigid bodies and nodes that hang on others."""
+    """As above, with rigid bodies and nodes that depend on others."""
     s, bodies = system.state, system.bodies
     if bodies is not None:
         bodies.inertia_forces(s, f, system.alpham)

@@ -1,4 +1,4 @@
-"""Unknowns that hang on others: du = sum of weight x du of masters, so that forces go to the masters by weight.
+"""Unknowns that depend on others: du = sum of weight x du of masters, so that forces go to the masters by weight.
 
 Carried nodes of rigid bodies and linear constraints are such. They have no equations; what elements and loads add at
 them is condensed onto their masters.

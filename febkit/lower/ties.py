@@ -109,7 +109,7 @@ def constraint(ctx: Context, out: Step, c: Component) -> None:
 
 
 def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
-    """No unknown that hangs on others may have others hang on it; nor may it be a rigid body's."""
+    """No unknown that depends on others may have others depend on it; nor may it be a rigid body's."""
     for common, step in steps:
         records = [*common.constraints, *step.constraints]
         tied = {(r.node, r.column) for r in records}
@@ -118,7 +118,7 @@ def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
             ends = set(zip(r.nodes.tolist(), r.columns.tolist()))
             if ends & tied or {n for n, _ in {*ends, (r.node, r.column)}} & carried:
                 label = ctx.model.mesh.node_ids[r.node] if r.node < len(ctx.model.mesh.X) else "at the back of a shell"
-                ctx.refuse(f"a linear constraint (of node {label}) of unknowns that hang on others themselves")
+                ctx.refuse(f"a linear constraint (of node {label}) of unknowns that depend on others themselves")
 
 
 def _term(ctx: Context, c: Component) -> tuple[int, int, float]:

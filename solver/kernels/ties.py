@@ -1,4 +1,4 @@
-"""Element matrices of unknowns that hang on others, condensed onto their masters."""
+"""Element matrices of unknowns that depend on others, condensed onto their masters."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class Pardiso:
     def memory(self, A: Matrix) -> float:
         """Bytes that a factorisation of A's pattern takes, by its analysis.
 
-        LDL^T keeps the analysis for the factorisation; that of LU hangs on values and is made anew with them.
+        LDL^T keeps the analysis for the factorisation; that of LU depends on values and is made anew with them.
         """
         if A.symmetric:
             self._analyse(A)

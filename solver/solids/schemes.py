@@ -105,7 +105,7 @@ class _Taut(Scheme):
 
     def axes(self, E: Floats) -> tuple[Floats, Floats]:
         """Principal strains (n, 3), ascending, and directions (n, 3, 3; columns) by the method that FEBio takes, whose
-        signs and choice among equal strains the rule hangs on."""
+        signs and choice among equal strains the rule depends on."""
         raise NotImplementedError
 
     def _span(self, V: Floats, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:

@@ -44,7 +44,7 @@ def test_a_linear_constraint(tmp_path: Path) -> None:
 
 def test_constraints_that_hang_on_one_another_are_refused(tmp_path: Path) -> None:
     other = TIE.replace("<node>6</node>", "<node>8</node>").replace("<node>5</node>", "<node>6</node>")
-    with pytest.raises(UnsupportedError, match=r"linear constraint \(of node 8\) of unknowns that hang on others"):
+    with pytest.raises(UnsupportedError, match=r"linear constraint \(of node 8\) of unknowns that depend on others"):
         lower(cube.read(tmp_path, tied(TIE, other)))
     with pytest.raises(InputError, match="there is no node 60"):
         lower(cube.read(tmp_path, tied(TIE.replace("<node>6<", "<node>60<"))))

@@ -11,9 +11,18 @@ import pytest
 import febkit
 from febkit import lower
 from febkit.solver.fields import DISPLACEMENT, PRESSURE, Field, Layout, concentration
+from febkit.solver.group import Group
 from febkit.solver.options import Options
-from febkit.solver.problem import NewtonOptions
+from febkit.solver.permeabilities.const_iso import ConstIso
+from febkit.solver.physics.biphasic import Biphasic
+from febkit.solver.problem import TRANSIENT, Block, Fixed, NewtonOptions, Problem, Step
 from febkit.solver.run import run
+from febkit.solver.schedule import Schedule
+from febkit.solver.solids.neo_hookean import NeoHookean
+from febkit.solver.state import State
+from febkit.solver.system import System
+from febkit.solver.threads import Team
+from helpers import scenes
 
 SALT = [concentration(1), concentration(2)]
 
@@ -140,3 +149,36 @@ def test_answers_do_not_depend_on_columns(contact: str, tmp_path: Path, monkeypa
         np.testing.assert_allclose(other.p, plain.p, atol=1e-9)
         np.testing.assert_allclose(other.reaction, plain.reaction, atol=1e-9)
         np.testing.assert_allclose(other.extra["q"], plain.extra["q"], atol=1e-9)
+
+
+def _tangent(fields: list[Field]) -> tuple[Any, Any]:
+    """The tangent of a solid cube on a biphasic one, two planes of symmetry held, by (node, x y z p), and which
+    unknowns are free."""
+    X, conn = scenes.grid((1, 1, 2))
+    solid, layout = NeoHookean(1.0, 0.3), Layout(fields)
+    blocks = [
+        Block("wet", "hex8", conn[:1], np.array([1]), solid, Biphasic(ConstIso(0.1))),
+        Block("dry", "hex8", conn[1:], np.array([2]), solid),
+    ]
+    held = [Fixed(layout.column("xyz"[k]), np.flatnonzero(X[:, k] < 1e-9)) for k in (0, 2)]
+    problem = Problem(X, blocks, [Step(analysis=TRANSIENT, conditions=held)], fields=layout)
+    state = State.at_rest(problem)
+    groups = [Group(b, X, 64, layout) for b in blocks]
+    s = System(problem, problem.steps[0], groups, state, Schedule(groups, Team(1)))
+    state.dt, order = 0.1, [layout.column(c) for c in "xyzp"]
+    state.d[:, order] = 0.05 * np.random.default_rng(4).normal(size=(len(X), 4))
+    s.update()
+    A, _ = s.tangent(np.zeros(s.eqs.n))
+    full = np.zeros((A.n, A.n))
+    for r in range(A.n):
+        full[r, A.indices[A.indptr[r] : A.indptr[r + 1]]] = A.data[A.indptr[r] : A.indptr[r + 1]]
+    at = s.pattern.row[:, order].ravel()
+    return (full + np.triu(full, 1).T)[np.ix_(at[at >= 0], at[at >= 0])], (at >= 0).reshape(-1, 4)
+
+
+def test_the_tangent_where_a_solid_meets_a_fluid_on_a_plane_of_symmetry() -> None:
+    """Nodes with as many free unknowns as the solid has components, but others (y, z and the pressure): as it is made
+    where the unknowns of no node follow each other as the blocks have them."""
+    (K, free), (other, same) = _tangent([DISPLACEMENT, PRESSURE]), _tangent([PRESSURE, DISPLACEMENT])
+    assert (free == same).all() and (free[:, 1:].all(axis=1) & ~free[:, 0]).sum() >= 2
+    np.testing.assert_allclose(K, other, atol=1e-14)

@@ -1,4 +1,4 @@
-"""Unknowns that hang on others, springs and constraints by penalty."""
+"""Unknowns that depend on others, springs and constraints by penalty."""
 
 from __future__ import annotations
 
