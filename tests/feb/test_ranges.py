@@ -74,7 +74,7 @@ def test_run_and_validate_say_the_same(tmp_path, name):
             for verb in ("validate", "run")]
     sentence = re.search(r"m\.feb:\d+: error: (.*)", said[0].stdout)
     assert sentence is not None and re.search(message, sentence[1])
-    assert said[1].returncode == 2
+    assert [s.returncode for s in said] == [2, 2]
     assert sentence[1] in said[1].stderr
     assert not list(tmp_path.glob("*.xplt"))
 
