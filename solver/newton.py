@@ -135,7 +135,7 @@ class Newton:
             self.count.factorisations = self.inverse.made - made
         self.total = self.total + self.increment
         if self.system.dry is not None:
-            self.total[self.system.dry] = 0.0
+            self.total[self.system.dry] = self.system.ambient
         self.calm = 0 if how.renewed or self.count.iterations > EASY else self.calm + 1
         return self.count
 

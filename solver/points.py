@@ -36,6 +36,11 @@ class Points:
     def n(self) -> int:
         return len(self.J)
 
+    def some(self, rows: NDArray[np.int64]) -> Points:
+        """Some of the points, without a history."""
+        Q = self.Q if self.Q is None or len(self.Q) == 1 else self.Q[rows]
+        return Points(self.F[rows], self.J[rows], self.X[rows], self.e[rows], self.t, self.dt, Q)
+
     def under(self, F: Floats, J: Floats) -> Points:
         """The same points under another deformation gradient, without a history."""
         return Points(F, J, self.X, self.e, self.t, self.dt, self.Q, extra=self.extra)

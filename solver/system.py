@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action import Action
-from .fields import PRESSURE
 from .finite import whole
 from .group import Group
 from .kernels.pattern import scatter_any
@@ -51,7 +50,7 @@ class System:
         self.ties = self._tie()
         self.contacts = [*problem.common.contacts, *step.contacts]
         self.progress = Progress()
-        self.dry: NDArray[np.int64] | None = None  # equations of pressures that contact holds at zero
+        self.dry: NDArray[np.int64] | None = None  # equations that contact holds at ambient values
         self.finite = True  # all forces of the last residual were
         self.eqs = Equations(self._active(), self.conditions)
         self.dynamic = step.analysis == DYNAMIC
@@ -254,22 +253,23 @@ class System:
                 g.physics.end(s, self.alphaf)
 
     def _find_dry(self) -> None:
-        """Free pressures of porous surfaces that touch nothing."""
-        dry = np.zeros(len(self.state.X), bool)
-        wet = np.zeros(len(self.state.X), bool)
+        """Free pressures and concentrations of surfaces that touch nothing: what surrounds them holds them."""
+        shape = self.state.d.shape
+        dry, wet, ambient = np.zeros(shape, bool), np.zeros(shape, bool), np.zeros(shape)
         for contact in self.contacts:
             if contact.drains:
                 nodes, touching = contact.drained(self.state)
-                dry[nodes] = True
-                wet[touching] = True
-        (p,) = self.layout.columns(PRESSURE.name)
-        dry &= ~wet & (self.eqs.kind[:, p] == FREE)
-        self.dry = self.eqs.eq[dry, p].astype(np.int64)
-        self._dry_nodes = np.flatnonzero(dry)
+                for field, value in contact.ambient.items():
+                    (column,) = self.layout.columns(field)
+                    dry[nodes, column], ambient[nodes, column] = True, value
+                    wet[touching, column] = True
+        dry &= ~wet & (self.eqs.kind == FREE)
+        self.dry, self.ambient = self.eqs.eq[dry].astype(np.int64), ambient[dry]
+        self._dry_places = dry
 
     def _drain(self) -> None:
         if self.dry is not None:
-            self.state.of(PRESSURE.name)[self._dry_nodes] = 0.0
+            self.state.d[self._dry_places] = self.ambient
 
     # ---- residual ---------------------------------------------------------------------------------
     def residual(self) -> Floats:
@@ -356,7 +356,7 @@ class System:
         return A, Fd
 
     def _uncouple(self, A: Matrix, Fd: Floats) -> None:
-        """Leave of the rows and columns of dry pressures the diagonal alone."""
+        """Leave of the rows and columns of what is held so the diagonal alone."""
         assert self.dry is not None
         dry = np.zeros(A.n, bool)
         dry[self.eqs.free[self.dry]] = True

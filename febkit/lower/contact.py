@@ -10,8 +10,10 @@ import numpy as np
 from febkit.model import Component, InputError
 from febkit.model.elements import corners
 from febkit.model.sets import missing, surface
+from febkit.model.species import find, solutes
 from febkit.solver import contact as records
 from febkit.solver import elements
+from febkit.solver.fields import PRESSURE, concentration
 
 from . import shells
 from .context import Context
@@ -41,12 +43,23 @@ NORMAL: dict[str, Reader] = {
     **COMMON, "gaptol": NUMBER, "auto_penalty": FLAG, "two_pass": FLAG, "knmult": NUMBER, "search_tol": NUMBER,
     "search_radius": NUMBER,
 }  # fmt: skip
+FLUX: dict[str, Reader] = {
+    **NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
+    "concentration_penalty": NUMBER,
+}  # fmt: skip
+OF_MIXTURES = ("tied-multiphasic", "sliding-biphasic-solute", "sliding-multiphasic")
 PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
     "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
     "sliding-biphasic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "tied-multiphasic": {
+        **NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
+        "concentration_penalty": NUMBER,
+    },
+    "sliding-biphasic-solute": FLUX,
+    "sliding-multiphasic": FLUX,
     "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
@@ -68,7 +81,7 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
         if c.tag != "contact" or c.type not in PARAMETERS or not records.known(c.type):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
             continue
-        if "biphasic" in c.type and not any(m.type == "biphasic" for m in ctx.model.materials):
+        if ("biphasic" in c.type or c.type in OF_MIXTURES) and not ctx.layout.has("p"):
             ctx.refuse(f'<{c.tag} type="{c.type}"> in a model without fluid', c.where)
             continue
         out.append(_contact(ctx, c))
@@ -77,7 +90,8 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
 
 def _contact(ctx: Context, c: Component) -> Any:
     table = PARAMETERS[c.type or ""]
-    known = set(table) | UNUSED | READ | {"fric_coeff"}
+    ambient = {"ambient_pressure", "ambient_concentration"} if c.type in OF_MIXTURES else set()
+    known = set(table) | UNUSED | READ | {"fric_coeff"} | ambient
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
@@ -92,11 +106,27 @@ def _contact(ctx: Context, c: Component) -> Any:
             kw["fric_penalty"] = c.float("fric_penalty", 0.0)
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
-    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "")
+    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "") or c.type in OF_MIXTURES
+    if c.type in OF_MIXTURES:
+        kw["RT"] = ctx.model.constants.get("R", 0.0) * ctx.model.constants.get("T", 0.0)
+    if c.type in ("sliding-biphasic-solute", "sliding-multiphasic"):
+        kw["ambient"] = _ambient(ctx, c)
     kw["names"] = first, second
     kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
     kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
     return records.load(c.type or "", bool(friction))(**kw)
+
+
+def _ambient(ctx: Context, c: Component) -> dict[str, float]:
+    """Pressure and concentrations around surfaces that touch nothing, by nodal field; 0 where the file gives none."""
+    every = solutes(ctx.model)
+    out = {PRESSURE.name: c.float("ambient_pressure", 0.0)} | {concentration(s.index + 1).name: 0.0 for s in every}
+    for leaf in c.all("ambient_concentration"):
+        given = [find(every, leaf.attrs["sol"], "solute", leaf.where)] if leaf.attrs.get("sol") else every
+        if leaf.lc is not None:
+            ctx.refuse("a load curve of <ambient_concentration>", leaf.where)
+        out |= {concentration(s.index + 1).name: leaf.as_float() for s in given}
+    return out
 
 
 def _friction(ctx: Context, c: Component) -> float:

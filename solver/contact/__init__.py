@@ -14,8 +14,11 @@ TYPES = {
     "tied-facet-on-facet": "tied_facet",
     "tied-elastic": "tied_elastic",
     "tied-biphasic": "tied_biphasic",
+    "tied-multiphasic": "tied_multiphasic",
     "sliding-elastic": "sliding_elastic",
     "sliding-biphasic": "sliding_biphasic",
+    "sliding-biphasic-solute": "sliding_multiphasic",
+    "sliding-multiphasic": "sliding_multiphasic",
     "sliding-node-on-facet": "node_on_facet",
     "sliding-facet-on-facet": "facet_on_facet",
 }

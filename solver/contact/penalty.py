@@ -12,6 +12,7 @@ from .surface import Floats, Ints, Surface
 
 if TYPE_CHECKING:
     from ..group import Group
+    from ..state import State
 
 
 def automatic(surface: Surface, groups: list[Group]) -> Floats:
@@ -27,9 +28,29 @@ def automatic(surface: Surface, groups: list[Group]) -> Floats:
     return out
 
 
-def conductance(surface: Surface, groups: list[Group]) -> Floats:
-    """n . k . n A / V of each facet (f,), k the permeability at rest; 0 where the element holds no fluid."""
-    return _by_element(surface, groups, _permeability)
+def mixture(surface: Surface, groups: list[Group], state: State) -> Floats:
+    """As :func:`automatic`, with the tangent of mixtures with solutes at the present state."""
+
+    def law(g: Group, e: Ints, n: Floats) -> Floats:
+        C = g.physics.mixture_tangent(e, state)
+        return _modulus(g, e, n) if C is None else _along(C, n)
+
+    return _by_element(surface, groups, law)
+
+
+def conductance(surface: Surface, groups: list[Group], solute: str = "") -> Floats:
+    """n . k . n A / V of each facet (f,), k the permeability at rest; 0 where the element holds no fluid.
+
+    ``solute``: the nodal field of one, whose k is phi kappa_hat D.
+    """
+    if not solute:
+        return _by_element(surface, groups, _permeability)
+
+    def law(g: Group, e: Ints, n: Floats) -> Floats:
+        k = g.physics.diffusivity(e, solute)
+        return np.zeros(len(e)) if k is None else np.asarray((_product(n) * k).sum(axis=1))
+
+    return _by_element(surface, groups, law)
 
 
 def _by_element(surface: Surface, groups: list[Group], law: Callable[[Group, Ints, Floats], Floats]) -> Floats:
@@ -81,6 +102,11 @@ def _modulus(g: Group, e: Ints, n: Floats) -> Floats:
     """Young's modulus along n (m, 3) of elements e."""
     s, C = np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
     g.block.solid.stress(_at_rest(g, e), s, C)
+    return _along(C, n)
+
+
+def _along(C: Floats, n: Floats) -> Floats:
+    """Young's modulus along n (m, 3) of tangents C (m, 6, 6)."""
     # FEBio 4.11 takes the inverse of the 6 x 6 matrix for the compliance tensor, so that its shears count four times;
     # this tells where a facet is oblique to the axes
     v = _product(n)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from .. import elements
+from ..fields import PRESSURE
 from ..kernels import contact as contact_kernels
 from ..kernels import contact_flow, ray
 from ..kernels import sliding_elastic as kernels
@@ -45,6 +46,7 @@ class SlidingBiphasic(SlidingElastic):
     ptol: float = 0.0
     side: ClassVar[type[Side]] = SlidingFluid
     drains: ClassVar[bool] = True
+    ambient: dict[str, float] = field(default_factory=lambda: {PRESSURE.name: 0.0})
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -19,7 +19,9 @@ from ..points import Points
 from ..reactions.base import Reaction
 from .fields import Fields, Instant
 from .flow import flow, permeability
+from .material import Mixture
 from .partition import by_bound, partition
+from .solution import Solution
 from .voigt import full, full4
 
 _EYE = np.eye(3)
@@ -76,15 +78,7 @@ class _Tangent:
 
     def _osmotic(self) -> None:
         """The osmotic pressure's derivatives by J (n,) and c (n, m)."""
-        sol, law, RT = self.sol, self.mix.osmotic_coefficient, self.mix.RT
-        phi = law.coefficient(self.pts, sol)
-        slopes = law.slopes(self.pts, sol)
-        self.by_J = RT * phi * (sol.c * sol.dkdJ).sum(axis=1)
-        self.by_c = RT * np.asarray(phi)[:, None] * (sol.kappa + np.einsum("nj,nji->ni", sol.c, sol.dkdc))
-        if slopes is not None:
-            osmolarity = (sol.kappa * sol.c).sum(axis=1)
-            self.by_J += RT * slopes[0] * osmolarity
-            self.by_c += RT * slopes[1] * osmolarity[:, None]
+        self.by_J, self.by_c = osmotic_slopes(self.mix, self.pts, self.sol)
 
     def _reactions(self) -> None:
         """zeta (n,), its derivatives by J (n,) and c (n, m) of each reaction."""
@@ -96,11 +90,8 @@ class _Tangent:
     # ---- rows ---------------------------------------------------------------------------------------
     def solid(self, pressure: Floats, s: Floats, C: Floats) -> None:
         """Rows of the displacements. ``C`` is overwritten."""
-        A, dp = self.A, self.pts.J * self.by_J
-        for i in range(3):
-            C[:, i, i] += 2.0 * pressure
-            C[:, 3 + i, 3 + i] += pressure
-        C[:, :3, :3] -= (pressure + dp)[:, None, None]
+        A = self.A
+        add_pressure(C, pressure, self.pts.J * self.by_J)
         A[:, 1:, U, U, 1:] = full4(C).transpose(0, 2, 1, 3, 4)
         for k in range(3):
             A[:, 1:, k, k, 1:] += s
@@ -274,6 +265,33 @@ class _Tangent:
         change = sol.c[:, :, None] * (dc[:, None, :] * sum1[:, :, None] + zeta[:, None, None] * sum3)
         change[:, range(m), range(m)] += zeta[:, None] * sum1
         by_c -= f.phi[:, None, None] * change
+
+
+def osmotic_slopes(mix: Mixture, pts: Points, sol: Solution) -> tuple[Floats, Floats]:
+    """The osmotic pressure's derivatives by J (n,) and effective concentrations (n, m)."""
+    law, RT = mix.osmotic_coefficient, mix.RT
+    phi, slopes = law.coefficient(pts, sol), law.slopes(pts, sol)
+    by_J = RT * phi * (sol.c * sol.dkdJ).sum(axis=1)
+    by_c = RT * np.asarray(phi)[:, None] * (sol.kappa + np.einsum("nj,nji->ni", sol.c, sol.dkdc))
+    if slopes is not None:
+        osmolarity = (sol.kappa * sol.c).sum(axis=1)
+        by_J = by_J + RT * slopes[0] * osmolarity
+        by_c = by_c + RT * slopes[1] * osmolarity[:, None]
+    return by_J, by_c
+
+
+def pressure_slope(fields: Fields, pts: Points) -> Floats:
+    """J dp/dJ (n,) at fixed effective pressure and concentrations."""
+    slope: Floats = pts.J * osmotic_slopes(fields.mix, pts, fields.solution(slice(None)))[0]
+    return slope
+
+
+def add_pressure(C: Floats, pressure: Floats, slope: Floats) -> None:
+    """Add to a solid's tangent C (n, 6, 6) that of -p I, with J dp/dJ = ``slope``."""
+    for i in range(3):
+        C[:, i, i] += 2.0 * pressure
+        C[:, 3 + i, 3 + i] += pressure
+    C[:, :3, :3] -= (pressure + slope)[:, None, None]
 
 
 def _apply(M: Floats, v: Floats) -> Floats:

@@ -118,6 +118,14 @@ class Work:
         """Permeability (n, 6) to fluid at points, None where there is no fluid."""
         return None
 
+    def diffusivity(self, e: NDArray[np.int64], field: str) -> Floats | None:
+        """phi kappa_hat D (n, 6) of the solute of a nodal field at the first points of elements e; None: none there."""
+        return None
+
+    def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats | None:
+        """Tangent (n, 6, 6) of a mixture with solutes at the first points of elements e; None where it is none."""
+        return None
+
 
 @dataclass(eq=False)
 class Physics:

@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..fields import DISPLACEMENT, PRESSURE, Field, concentration
 from ..kernels.mixture import subtract
 from ..multiphasic.fields import Fields, Instant
 from ..multiphasic.integrals import at_points, forces, matrices, operators
 from ..multiphasic.material import Mixture
-from ..multiphasic.tangent import point_tangent
+from ..multiphasic.solution import Solution
+from ..multiphasic.tangent import add_pressure, point_tangent, pressure_slope
 from ..multiphasic.voigt import full
 from ..points import Points
 from . import register
@@ -132,6 +134,28 @@ class MultiphasicWork(StandardWork):
         k = np.zeros((pts.n, 6))
         self.mix.permeability.permeability(pts, self.mix.phi0(pts.t, pts.X, pts.e), k, None)
         return k
+
+    def diffusivity(self, e: NDArray[np.int64], field: str) -> Floats | None:
+        own = [concentration(s.index + 1).name for s in self.mix.solutes]
+        if field not in own:
+            return None
+        g, i = self.group, own.index(field)
+        pts = g.at_rest().some(e * g.g)
+        phi0 = np.broadcast_to(self.mix.phi0(pts.t, pts.X, pts.e), (pts.n,))
+        sol = Solution.at(self.mix.z, np.zeros((pts.n, len(own))), phi0)
+        D = np.zeros((pts.n, 6))
+        self.mix.solutes[i].diffusivity.diffusivity(pts, sol, i, D, None)
+        return D * ((1.0 - phi0) * self.mix.solutes[i].solubility.solubility(pts, sol, i))[:, None]
+
+    def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats:
+        g, q = self.group, e * self.group.g
+        if not self.started:
+            self._evaluate(0, g.m, state, None)
+        s, C = np.zeros((g.m * g.g, 6)), np.zeros((g.m * g.g, 6, 6))
+        g.block.solid.stress(g.points(), s, C)
+        C = C[q]
+        add_pressure(C, self.at.pa[q], pressure_slope(self.at, g.points())[q])
+        return C
 
     def _points(self, values: Floats) -> Floats:
         """Values (m g, ...) by element and point."""

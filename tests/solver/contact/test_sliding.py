@@ -12,7 +12,7 @@ from febkit.solver import contact
 from febkit.solver.problem import Progress
 from helpers import pair as scene
 
-TYPES = sorted(n for n in contact.TYPES if n.startswith("sliding") and "biphasic" not in n)
+TYPES = sorted(n for n in contact.TYPES if n.startswith("sliding") and "phasic" not in n)
 RNG = np.random.default_rng(5)
 
 

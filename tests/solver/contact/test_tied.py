@@ -10,7 +10,7 @@ import pytest
 from febkit.solver import contact
 from helpers import pair as scene
 
-TYPES = sorted(n for n in contact.TYPES if n.startswith("tied") and "biphasic" not in n)
+TYPES = sorted(n for n in contact.TYPES if n.startswith("tied") and "phasic" not in n)
 RNG = np.random.default_rng(3)
 
 
