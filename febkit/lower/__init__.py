@@ -5,6 +5,8 @@ What the solver lacks is refused here, by name and place, before anything is sol
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from febkit.model import InputError, Model, UnsupportedError, Where, as_record
 from febkit.model import Step as ModelStep
 from febkit.model.source import together
@@ -17,6 +19,7 @@ from .context import Context
 
 SOLUTES = ("solute", "multiphasic")  # modules with concentrations
 MODULES = ("solid", "biphasic", *SOLUTES)
+CONSTRAINTS = {"linear constraint": "ties", "rigid_wall": "walls"}  # type -> module here that reads it
 
 
 def lower(model: Model) -> Problem:
@@ -124,9 +127,8 @@ def _whole_sections(ctx: Context) -> None:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
         for c in (*step.constraints, *step.adaptors):
-            if c.tag == "constraint" and c.type == "linear constraint":
-                continue
-            ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+            if c.tag != "constraint" or c.type not in CONSTRAINTS:
+                ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     for c in m.unknown:
         if c.tag == "Globals":
             ctx.check_tags(c, {"Solutes", "SolidBoundMolecules"})
@@ -153,11 +155,14 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
             from . import connectors
 
             connectors.read(ctx, out, c)
-    for c in (*spec.constraints, *spec.boundary):
+    for c in spec.constraints:
+        if c.type in CONSTRAINTS:
+            import_module(f".{CONSTRAINTS[c.type]}", __name__).constraint(ctx, out, c)
+    for c in spec.boundary:
         if c.type == "linear constraint":
             from . import ties
 
-            (ties.constraint if c.tag == "bc" else ties.constraint_set)(ctx, out, c)
+            ties.condition(ctx, out, c)
     if spec.contact:
         from .contact import contacts
 

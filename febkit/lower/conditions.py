@@ -20,7 +20,7 @@ def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Presc
     """Boundary conditions in file order."""
     out: list[Fixed | Prescribed] = []
     for c in specs:
-        if c.type in ("rigid", "linear constraint"):  # read by rigid.fill and ties.constraint
+        if c.type in ("rigid", "linear constraint"):  # read by rigid.fill and ties.condition
             continue
         make = READERS.get(c.type or "")
         if make is None:

@@ -13,6 +13,7 @@ from febkit.model.sets import missing, surface
 from febkit.model.species import find, solutes
 from febkit.solver import contact as records
 from febkit.solver import elements
+from febkit.solver.elements import nodal
 from febkit.solver.fields import PRESSURE, concentration
 
 from . import shells
@@ -158,12 +159,12 @@ def _pair(ctx: Context, c: Component) -> tuple[str, str]:
 
 
 def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, offset: bool) -> Any:
-    from febkit.solver.contact.surface import NODAL, Facets
+    from febkit.solver.contact.surface import Facets
 
     conn = dict(ctx.model.mesh.surfaces[name].facets)
-    nodal = "node-on-facet" in (c.type or "")
+    at_nodes = "node-on-facet" in (c.type or "")
     for kind in conn:
-        if kind not in elements.FACETS or (nodal and kind not in NODAL):
+        if kind not in elements.FACETS or (at_nodes and kind not in nodal.WEIGHTS):
             ctx.refuse(f'<contact type="{c.type}"> on {kind} facets', c.where)
     out = Facets(conn)
     if ctx.refused:

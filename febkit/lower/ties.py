@@ -92,7 +92,7 @@ def _end(ctx: Context, c: Component) -> tuple[int, int]:
     return _place(ctx, c.need("node").as_id(), c.need("dof").text, c.need("node").where)
 
 
-def constraint(ctx: Context, out: Step, c: Component) -> None:
+def condition(ctx: Context, out: Step, c: Component) -> None:
     """<bc type="linear constraint">: an unknown that is a sum of others."""
     ctx.check_tags(c, {"node", "dof", "offset", "child_dof"})
     node, column = _end(ctx, c)
@@ -128,7 +128,7 @@ def _term(ctx: Context, c: Component) -> tuple[int, int, float]:
     return (*_place(ctx, c.id, c.attrs.get("bc", ""), c.where), c.as_float())
 
 
-def constraint_set(ctx: Context, out: Step, c: Component) -> None:
+def constraint(ctx: Context, out: Step, c: Component) -> None:
     """<constraint type="linear constraint">: sums of unknowns that vanish, by penalty or augmented Lagrangian."""
     known = {"laugon", "tol", "penalty", "rhs", "minaug", "maxaug", "linear_constraint"}
     ctx.check_tags(c, known)

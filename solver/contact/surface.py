@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import elements
+from ..elements import nodal
 from ..kernels import tree
 
 Floats = NDArray[np.float64]
@@ -16,10 +17,6 @@ Ints = NDArray[np.int64]
 INVERTED = {
     "tri3": (0, 2, 1), "tri6": (0, 2, 1, 5, 4, 3), "tri7": (0, 2, 1, 5, 4, 3, 6), "quad4": (0, 3, 2, 1),
     "quad8": (0, 3, 2, 1, 7, 6, 5, 4), "quad9": (0, 3, 2, 1, 7, 6, 5, 4, 8),
-}  # fmt: skip
-# weights of FEBio's nodal rules; those of quad8 are as FEBio 4.11 has them (its corners carry all)
-NODAL = {
-    "tri3": (1 / 6,) * 3, "quad4": (1.0,) * 4, "tri6": (0.0,) * 3 + (1 / 6,) * 3, "quad8": (4 / 9,) * 4 + (0.0,) * 4,
 }  # fmt: skip
 
 
@@ -197,11 +194,8 @@ class Surface:
         """Reference area of each node (m,) by FEBio's nodal rules."""
         out = np.zeros(len(self.nodes))
         for kind, rows in self.kinds:
-            e, c = elements.get(kind), self.conn[rows]
-            n = e.nodes
-            t = np.einsum("gaj,fai->fgji", e.gradient(e.natural), self.X[c[:, :n]])
-            A = np.linalg.norm(np.cross(t[:, :, 0], t[:, :, 1]), axis=2) * np.array(NODAL[kind])
-            np.add.at(out, self.local[rows][:, :n], A)
+            n = elements.get(kind).nodes
+            np.add.at(out, self.local[rows][:, :n], nodal.areas(kind, self.X[self.conn[rows][:, :n]]))
         return out
 
     @cached_property

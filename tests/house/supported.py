@@ -11,6 +11,7 @@ START, END = "<!-- supported: start -->", "<!-- supported: end -->"
 
 def lists() -> str:
     """Markdown of what the solver knows."""
+    from febkit.lower import CONSTRAINTS
     from febkit.lower.conditions import READERS
     from febkit.lower.connectors import KINDS
     from febkit.lower.materials import UNPROVEN
@@ -43,6 +44,7 @@ def lists() -> str:
         "reaction rates": sorted(reaction_rates.TYPES),
         "loads": sorted(loads.TYPES),
         "boundary conditions": sorted([*READERS, "linear constraint", "rigid"]),
+        "constraints": sorted(CONSTRAINTS),
         "contact": sorted(contact.TYPES),
         "rigid bodies": sorted({kind for _, kind in RIGID} | set(KINDS)),
         "springs": sorted(LAWS),

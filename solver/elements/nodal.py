@@ -1,0 +1,23 @@
+"""FEBio's nodal integration of facets: a facet's nodes are its points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import get
+
+# weights; those of quad8 are as FEBio 4.11 has them (its corners carry all)
+WEIGHTS = {
+    "tri3": (1 / 6,) * 3, "quad4": (1.0,) * 4, "tri6": (0.0,) * 3 + (1 / 6,) * 3, "quad8": (4 / 9,) * 4 + (0.0,) * 4,
+}  # fmt: skip
+
+
+def areas(kind: str, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Areas (f, n) that count for the nodes of facets of a kind in WEIGHTS, at positions X (f, n, 3)."""
+    e = get(kind)
+    t = np.einsum("gaj,fai->fgji", e.gradient(e.natural), X)
+    return np.asarray(np.linalg.norm(np.cross(t[:, :, 0], t[:, :, 1]), axis=2) * np.array(WEIGHTS[kind]))
+
+
+__all__ = ["WEIGHTS", "areas"]
