@@ -259,7 +259,7 @@ class System:
         for contact in self.contacts:
             if contact.drains:
                 nodes, touching = contact.drained(self.state)
-                for field, value in contact.ambient.items():
+                for field, value in contact.ambient(self.state).items():
                     (column,) = self.layout.columns(field)
                     dry[nodes, column], ambient[nodes, column] = True, value
                     wet[touching, column] = True

@@ -14,7 +14,7 @@ from febkit.model.species import find, solutes
 from febkit.solver import contact as records
 from febkit.solver import elements
 from febkit.solver.elements import nodal
-from febkit.solver.fields import PRESSURE, concentration
+from febkit.solver.fields import concentration
 
 from . import shells
 from .context import Context
@@ -65,6 +65,12 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
+# materials whose fluid and solutes do not pass a contact in FEBio, and the contact that lets them pass
+DENSE: dict[str, tuple[frozenset[str], str]] = {
+    "tied-biphasic": (frozenset({"biphasic-solute", "triphasic", "multiphasic"}), "tied-multiphasic"),
+    "sliding-biphasic": (frozenset({"biphasic-solute", "triphasic", "multiphasic"}), "sliding-multiphasic"),
+    "sliding-biphasic-solute": (frozenset({"triphasic", "multiphasic"}), "sliding-multiphasic"),
+}
 # parameters that change nothing where they are 0, and are refused where they are not
 UNUSED = frozenset({"node_reloc", "smooth_aug"})
 # what is read elsewhere, or has no effect: penalties of bodies at rest need no update, and without friction its
@@ -91,7 +97,8 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
 
 def _contact(ctx: Context, c: Component) -> Any:
     table = PARAMETERS[c.type or ""]
-    ambient = {"ambient_pressure", "ambient_concentration"} if c.type in OF_MIXTURES else set()
+    slides = c.type in ("sliding-biphasic-solute", "sliding-multiphasic")
+    ambient = {"ambient_pressure", "ambient_concentration"} if slides else set()
     known = set(table) | UNUSED | READ | {"fric_coeff"} | ambient
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
@@ -110,24 +117,41 @@ def _contact(ctx: Context, c: Component) -> Any:
     needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "") or c.type in OF_MIXTURES
     if c.type in OF_MIXTURES:
         kw["RT"] = ctx.model.constants.get("R", 0.0) * ctx.model.constants.get("T", 0.0)
-    if c.type in ("sliding-biphasic-solute", "sliding-multiphasic"):
-        kw["ambient"] = _ambient(ctx, c)
+        if c.type != "sliding-biphasic-solute" and kw.get("auto_penalty") and c.bool("update_penalty"):
+            # FEBio's penalties of mixtures follow their state where they are updated
+            ctx.refuse(f'<update_penalty> of <contact type="{c.type}">', c.need("update_penalty").where)
+    if slides:
+        kw["ambient_concentration"] = _ambient(ctx, c)
+        kw["ambient_pressure"] = ctx.value(c.child("ambient_pressure"), 0.0)
     kw["names"] = first, second
     kw["primary"] = _facets(ctx, c, first, "primary", needs, offset)
     kw["secondary"] = _facets(ctx, c, second, "secondary", needs, offset)
+    _check_owners(ctx, c, (kw["primary"], kw["secondary"]))
     return records.load(c.type or "", bool(friction))(**kw)
 
 
-def _ambient(ctx: Context, c: Component) -> dict[str, float]:
-    """Pressure and concentrations around surfaces that touch nothing, by nodal field; 0 where the file gives none."""
+def _ambient(ctx: Context, c: Component) -> dict[str, Any]:
+    """Concentrations around surfaces that touch nothing, by nodal field: one for all solutes, or by name."""
     every = solutes(ctx.model)
-    out = {PRESSURE.name: c.float("ambient_pressure", 0.0)} | {concentration(s.index + 1).name: 0.0 for s in every}
+    out: dict[str, Any] = {}
     for leaf in c.all("ambient_concentration"):
         given = [find(every, leaf.attrs["sol"], "solute", leaf.where)] if leaf.attrs.get("sol") else every
-        if leaf.lc is not None:
-            ctx.refuse("a load curve of <ambient_concentration>", leaf.where)
-        out |= {concentration(s.index + 1).name: leaf.as_float() for s in given}
+        out |= {concentration(s.index + 1).name: ctx.value(leaf) for s in given}
     return out
+
+
+def _check_owners(ctx: Context, c: Component, sides: tuple[Any, Any]) -> None:
+    """Refuse materials that FEBio would take for impermeable here."""
+    if c.type not in DENSE or ctx.refused:
+        return
+    dense, other = DENSE[c.type]
+    types = {m.name: m.type for m in ctx.model.materials}
+    behind = {int(b) for side in sides for owner in side.owner.values() for b in owner[:, 0]}
+    for d in ctx.model.domains:
+        if ctx.numbers.get(d.block) in behind and types.get(d.material) in dense:
+            name = types[d.material]
+            ctx.refuse(f'<contact type="{c.type}"> on a {name} material ("{other}" takes these)', c.where)
+            return
 
 
 def _friction(ctx: Context, c: Component) -> float:

@@ -17,7 +17,7 @@ TYPES = {
     "tied-multiphasic": "tied_multiphasic",
     "sliding-elastic": "sliding_elastic",
     "sliding-biphasic": "sliding_biphasic",
-    "sliding-biphasic-solute": "sliding_multiphasic",
+    "sliding-biphasic-solute": "sliding_biphasic_solute",
     "sliding-multiphasic": "sliding_multiphasic",
     "sliding-node-on-facet": "node_on_facet",
     "sliding-facet-on-facet": "facet_on_facet",

@@ -171,7 +171,7 @@ class Contact(Action):
     two_pass: bool = field(default=False, kw_only=True)  # both surfaces act as primary ones
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
-    drains: ClassVar[bool] = False  # ``drained(state)`` says which nodes are held at ``ambient`` values, by field
+    drains: ClassVar[bool] = False  # ``drained(state)``: nodes held at ``ambient(state)``, by field
 
     def __post_init__(self) -> None:
         self.penalty = as_value(self.penalty)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..fields import PRESSURE
 from ..points import VOIGT, Points
 from .surface import Floats, Ints, Surface
 
@@ -38,16 +39,16 @@ def mixture(surface: Surface, groups: list[Group], state: State) -> Floats:
     return _by_element(surface, groups, law)
 
 
-def conductance(surface: Surface, groups: list[Group], solute: str = "") -> Floats:
-    """n . k . n A / V of each facet (f,), k the permeability at rest; 0 where the element holds no fluid.
+def conductance(surface: Surface, groups: list[Group], field: str) -> Floats:
+    """n . k . n A / V of each facet (f,), 0 where the element does not have the nodal ``field``.
 
-    ``solute``: the nodal field of one, whose k is phi kappa_hat D.
+    k at rest is the permeability for the fluid's pressure, phi kappa_hat D for the concentration of a solute.
     """
-    if not solute:
+    if field == PRESSURE.name:
         return _by_element(surface, groups, _permeability)
 
     def law(g: Group, e: Ints, n: Floats) -> Floats:
-        k = g.physics.diffusivity(e, solute)
+        k = g.physics.diffusivity(e, field)
         return np.zeros(len(e)) if k is None else np.asarray((_product(n) * k).sum(axis=1))
 
     return _by_element(surface, groups, law)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -12,8 +12,9 @@ from ..fields import PRESSURE
 from ..kernels import contact as contact_kernels
 from ..kernels import contact_flow, ray
 from ..kernels import sliding_elastic as kernels
-from . import fluid, register
+from . import register
 from .base import Floats, Ints, Matrices, Progress, Side
+from .passage import Passage, Passages, Steps, holds
 from .penalty import conductance
 from .sliding_elastic import SlidingElastic, SlidingPoints
 from .surface import Surface
@@ -24,14 +25,23 @@ if TYPE_CHECKING:
 
 
 class SlidingFluid(SlidingPoints):
-    """At integration points besides: pressure difference, multiplier of the flow; ``wet`` (f,) porous facets."""
-
-    memory = (*SlidingPoints.memory, "flow", "conductance")
+    """At integration points besides: what passes. ``wet``: does any facet hold fluid?"""
 
     def __init__(self, *args: object) -> None:
         super().__init__(*args)
-        self.flow, self.step, self.conductance = np.zeros(self.n), np.zeros(self.n), np.ones(self.n)
-        self.wet = np.zeros(len(self.surface.conn), bool)
+        self.passages = Passages()
+
+    @property
+    def wet(self) -> bool:
+        return any(bool(q.own.any()) for q in self.passages)
+
+    def snapshot(self) -> dict[str, Any]:
+        return super().snapshot() | {"passages": self.passages.snapshot()}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        own = dict(saved)
+        self.passages.restore(own.pop("passages"))
+        super().restore(own)
 
 
 @dataclass(eq=False)
@@ -46,81 +56,87 @@ class SlidingBiphasic(SlidingElastic):
     ptol: float = 0.0
     side: ClassVar[type[Side]] = SlidingFluid
     drains: ClassVar[bool] = True
-    ambient: dict[str, float] = field(default_factory=lambda: {PRESSURE.name: 0.0})
+    ctol = 0.0
+    RT = 1.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.knmult = 1  # FEBio has no other tangent here
 
-    def prepare(self, groups: list[Group]) -> None:
-        super().prepare(groups)
-        for s in self.sides:
+    def carried(self, groups: list[Group]) -> list[tuple[str, float]]:
+        """Fields that pass, and their penalties."""
+        return [(PRESSURE.name, self.pressure_penalty)]
+
+    def ambient(self, state: State) -> dict[str, float]:
+        """What nodes that touch nothing have, by field."""
+        return {PRESSURE.name: 0.0}
+
+    def conductances(self, s: Side, field: str, groups: list[Group]) -> Floats:
+        """What the penalty of a field multiplies (q,)."""
+        return conductance(s.surface, groups, field)[s.facet] if self.auto_penalty else np.ones(s.n)
+
+    def prepare(self, state: State, groups: list[Group]) -> None:
+        super().prepare(state, groups)
+        for s, o in (self.sides, reversed(self.sides)):
             assert isinstance(s, SlidingFluid)
-            s.wet = fluid.porous(s.surface, groups)
-            if self.auto_penalty:
-                s.conductance = conductance(s.surface, groups)[s.facet]
+            for field, penalty in self.carried(groups):
+                own, beyond = (holds(q.surface, groups, field) for q in (s, o))
+                k = self.conductances(s, field, groups)
+                s.passages.append(Passage(field, penalty, own, beyond, k))
 
     def update(self, state: State, progress: Progress) -> None:
         super().update(state, progress)
-        a, b = self.sides
-        assert isinstance(a, SlidingFluid) and isinstance(b, SlidingFluid)
-        for s, o in ((a, b), (b, a)):
-            open_ = fluid.both(s, s.wet, o.wet)
-            p1, p2 = fluid.pressures(s, state)
-            s.step = np.where(open_, p1 - p2, 0.0)
-            s.flow = np.where(open_, s.flow, 0.0)
-
-    def flows(self, s: Side, state: State) -> tuple[Floats, Floats]:
-        """wn and eps_p (q,), zero where no fluid passes."""
-        a, b = self.sides
-        assert isinstance(a, SlidingFluid) and isinstance(b, SlidingFluid) and isinstance(s, SlidingFluid)
-        o = b if s is a else a
-        passes = fluid.both(s, s.wet, o.wet) & (self.pressure(s, state) > 0.0)
-        eps = np.where(passes, self.pressure_penalty * s.conductance, 0.0)
-        return np.where(passes, s.flow, 0.0) + eps * s.step, eps
+        for s in self.sides:
+            assert isinstance(s, SlidingFluid)
+            for q in s.passages:
+                q.update(s, state)
+                q.multiplier = np.where(q.open(s), q.multiplier, 0.0)
 
     def residual(self, state: State, R: Floats) -> None:
         super().residual(state, R)
         for s in self.passes:
-            fluid.spread(state, s, state.dt * self.flows(s, state)[0] * s.detJ * s.surface.weight, R)
+            assert isinstance(s, SlidingFluid)
+            bears = self.pressure(s, state) > 0.0
+            for q in s.passages:
+                q.spread(s, state, state.dt * q.flow(s, bears)[0] * s.detJ * s.surface.weight, R)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
-        assert state.p is not None
-        pressure = np.ascontiguousarray(state.p)
         for s in self.passes:
             assert isinstance(s, SlidingFluid)
             p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
-            wn, eps_p = self.flows(s, state)
+            flows = [q.flow(s, p > 0.0) for q in s.passages]
             for rows, a, b, nodes in s.pairs(p != 0.0):
-                K, unknowns, columns = fluid.unknowns(state, nodes)
-                kernels.stiffness(
-                    w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
-                    s.normals, s.gap, eps, p, 1.0, K,
-                )  # fmt: skip
-                contact_flow.sliding(
-                    w.T, state.x, pressure, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
-                    w.weight, s.normals, s.gap, wn, eps_p, state.dt, K,
-                )  # fmt: skip
-                out.append((K, unknowns, columns))
+                for i, (q, (wn, eps_p)) in enumerate(zip(s.passages, flows, strict=True)):
+                    K, unknowns, columns = q.unknowns(state, nodes)
+                    if i == 0:
+                        kernels.stiffness(
+                            w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
+                            w.weight, s.normals, s.gap, eps, p, 1.0, K,
+                        )  # fmt: skip
+                    values = np.ascontiguousarray(state.layout.scalar(state.d, q.field))
+                    contact_flow.sliding(
+                        w.T, state.x, values, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
+                        w.weight, s.normals, s.gap, wn, eps_p, state.dt, K,
+                    )  # fmt: skip
+                    out.append((K, unknowns, columns))
         return out
 
     def augment(self, done: int, state: State) -> bool:
-        """As sliding contact, the flow's multiplier too; pressure differences over tractions are small at the end."""
+        """As sliding contact, the flows' multipliers too; differences over tractions are small at the end."""
         if not self.laugon:
             return True
-        steps = traction = worst = 0.0
+        steps, traction = Steps(), 0.0
         for s in self.sides:
             assert isinstance(s, SlidingFluid)
             new = s.multiplier + self.stiffnesses(s, state) * s.gap
-            touching = (new > 0.0) & s.wet.any()
-            s.flow = np.where(touching, s.flow + self.pressure_penalty * s.conductance * s.step, 0.0)
-            steps += float((s.step[touching] ** 2).sum())
-            worst = max(worst, float(np.abs(s.step[touching]).max(initial=0.0)))
+            for q in s.passages:
+                touching = (new > 0.0) & q.own.any()
+                q.multiplier = np.where(touching, q.multiplier + q.penalty * q.conductance * q.step, 0.0)
+                steps.add(q, touching)
             traction += float((np.maximum(new, 0.0) ** 2).sum())
-        loose = 0 < self.tolerance < steps / (traction or 1.0)
-        loose = loose or (0 < self.ptol < worst and all(s.wet.any() for s in self.sides))  # type: ignore[attr-defined]
-        if self.tolerance <= 0.0 and self.gaptol <= 0.0 and self.ptol <= 0.0:
+        loose = steps.loose(traction, self.tolerance, self.ptol, self.ctol, self.RT)
+        if max(self.tolerance, self.gaptol, self.ptol, self.ctol) <= 0.0:
             return done >= self.minaug
         good = super().augment(done, state)
         return (good and not loose) or done >= self.maxaug
@@ -131,14 +147,14 @@ class SlidingBiphasic(SlidingElastic):
         nodes, touching = [], []
         for s in self.sides:
             assert isinstance(s, SlidingFluid)
-            if s.wet.any():
+            if s.wet:
                 nodes.append(s.surface.nodes)
         for s in self.passes:
             p = self._nodal_pressure(s, state)
             touching.append(s.surface.nodes[p > 0.0])
             o = next(q for q in self.sides if q is not s)
             assert isinstance(o, SlidingFluid)
-            if o.wet.any():
+            if o.wet:
                 touching.append(o.surface.nodes[self._met(s.surface, o.surface, p, state) > 0.0])
         return (np.concatenate(q) if q else np.zeros(0, np.int64) for q in (nodes, touching))  # type: ignore[return-value]
 

@@ -55,14 +55,18 @@ class SlidingElastic(Contact):
 
     def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
-        self.prepare(groups)
+        self.prepare(state, groups)
         self.update(state, Progress())
 
-    def prepare(self, groups: list[Group]) -> None:
+    def moduli(self, s: Side, state: State, groups: list[Group]) -> Floats:
+        """Moduli that the penalty multiplies (q,)."""
+        return automatic(s.surface, groups)[s.facet]
+
+    def prepare(self, state: State, groups: list[Group]) -> None:
         """Take from the elements behind the sides what does not change."""
         if self.auto_penalty:
             for s in self.sides:
-                s.modulus = automatic(s.surface, groups)[s.facet]
+                s.modulus = self.moduli(s, state, groups)
 
     def _searches(self, progress: Progress) -> bool:
         """May points change their partners? Only in the first ``seg_up`` iterations after an augmentation."""

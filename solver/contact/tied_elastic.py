@@ -48,11 +48,19 @@ class TiedElastic(Contact):
 
     def begin(self, state: State, groups: list[Group]) -> None:
         self.open(state)
+        self.tie(state, groups)
+
+    def moduli(self, s: Side, state: State, groups: list[Group]) -> Floats:
+        """Moduli that the penalty multiplies (q,)."""
+        return automatic(s.surface, groups)[s.facet]
+
+    def tie(self, state: State, groups: list[Group]) -> None:
+        """Find the partners of the points, and how far away they are."""
         x = state.x
         for s in self.passes:
             assert isinstance(s, TiedPoints)
             if self.auto_penalty:
-                s.modulus = automatic(s.surface, groups)[s.facet]
+                s.modulus = self.moduli(s, state, groups)
             s.frames(x)
             s.meet(x, self.search_tol, self.search_radius, absolute=True, keep=False)
             s.shapes(x)

@@ -37,8 +37,9 @@ class Pair:
     """
 
     def __init__(
-        self, n: int = 3, gap: float = 0.0, skew: float = 0.0, inset: float = 0.0, biphasic: bool = False
-    ) -> None:
+        self, n: int = 3, gap: float = 0.0, skew: float = 0.0, inset: float = 0.0, biphasic: bool = False,
+        physics: Any = None,
+    ) -> None:  # fmt: skip
         low, below = scenes.grid((2, 2, 2))
         high, above = scenes.grid((n, n, 2))
         if skew:
@@ -51,8 +52,9 @@ class Pair:
         self.lower = _faces(low, below, 1.0, True)
         self.upper = _faces(high, above, 0.0, False) + len(low)
         solid = IsotropicElastic(E, V)
+        physics = physics or (Biphasic(ConstIso(0.5)) if biphasic else default())
         self.blocks = [
-            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid, Biphasic(ConstIso(0.5)) if biphasic else default())
+            Block(name, "hex8", c, np.arange(1, len(c) + 1), solid, physics)
             for name, c in (("low", below), ("high", self.top))
         ]
 

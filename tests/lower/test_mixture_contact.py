@@ -92,3 +92,36 @@ def test_friction_between_mixtures_is_refused(tmp_path: Path) -> None:
     more = contact("sliding-multiphasic", "<fric_coeff>0.1</fric_coeff>")
     text = deck(DIFFUSING, squeezed(0.05) + BATH, mesh=halves(2), domains=TWO, more=more)
     assert "fric_coeff" in refused(text, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "said"),
+    [
+        ("sliding-biphasic", "", "sliding-multiphasic"),
+        ("tied-biphasic", "", "tied-multiphasic"),
+        ("sliding-biphasic-solute", "", "sliding-multiphasic"),
+        ("tied-multiphasic", "<update_penalty>1</update_penalty>", "<update_penalty>"),
+        ("tied-multiphasic", "<ambient_pressure>1</ambient_pressure>", "<ambient_pressure>"),
+    ],
+)
+def test_what_fluid_cannot_pass_is_refused(kind: str, more: str, said: str, tmp_path: Path) -> None:
+    """FEBio would take materials with solutes for impermeable in biphasic contact."""
+    given = contact(kind, more)
+    if kind.endswith("biphasic"):
+        given = given.replace("<concentration_penalty>1e4</concentration_penalty>", "")
+    text = deck(DIFFUSING, squeezed(0.05) + BATH, mesh=halves(2), domains=TWO, more=given)
+    assert said in refused(text, tmp_path)
+
+
+def test_a_bath_may_change_with_time(tmp_path: Path) -> None:
+    boundary = squeezed(-0.05) + BATH
+    ambient = '<ambient_concentration sol="Glc" lc="1">0.8</ambient_concentration>'
+    curve = """<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points>
+<pt>0,0.25</pt><pt>0.2,1</pt></points></load_controller></LoadData>"""
+    text = deck(
+        DIFFUSING, boundary, initial("c3", 0.2), mesh=halves(2), domains=TWO, steps=(4, 0.05),
+        more=contact("sliding-multiphasic", ambient) + curve,
+    )  # fmt: skip
+    c = solve(text, tmp_path)["effective_solute_concentration"].sel(solute="Glc").values[:, 8:16]
+    assert c[-1] == pytest.approx(0.8)
+    assert c[-3] == pytest.approx(0.5)

@@ -103,3 +103,18 @@ def test_own_axes_turn_with_those_above():
     direct = fiber(mu=2.0, fiber=axes.fixed_vector(a0))
     got = evaluate(nested, Points.at(F, Q=Qe), False)[0]
     np.testing.assert_allclose(got, evaluate(direct, Points.at(F), False)[0], atol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["HGO unconstrained", "Holzapfel-Gasser-Ogden"])
+def test_fibers_of_a_wall_at_rest_are_stiff_for_what_stretches_them(name: str) -> None:
+    """Where fibers begin to bear the tangent is that of the stretch, not the mean of both sides, which slows Newton."""
+    law = load("solid", name)(c=0.01, k1=1.0, k2=500.0, kappa=0.2, gamma=50.0, k=0.8)
+    s, C = np.zeros((1, 6)), np.zeros((1, 6, 6))
+    law.stress(Points.at(np.eye(3)[None]), s, C)
+    h = 1e-7
+    for axis in (0, 1):
+        F = np.eye(3)
+        F[axis, axis] += h
+        stretched = np.zeros((1, 6))
+        law.stress(Points.at(F[None]), stretched, None)
+        assert (stretched - s)[0, axis] / h == pytest.approx(C[0, axis, axis], rel=1e-3)
