@@ -2,7 +2,8 @@
 
 Each carries FEBio's parameters, with defaults and help made from the solver's own records; every FEBio material is
 there by its type name as well: ``febkit.materials.of("neo-Hookean", E=0.6, v=0.1)``. A parameter is a number, a formula
-of X, Y, Z and t (text), or, for a property, another material.
+of X, Y, Z and t (text), or, for a property, another material. Reactions take ``vR={"species": coefficient}``,
+``vP`` likewise.
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ MIXTURES = ("biphasic", "biphasic-solute", "triphasic", "multiphasic", "rigid bo
 def names() -> dict[str, str]:
     """FEBio's type of each constructor's name."""
     from febkit.feb.features import table
-    from febkit.solver import permeabilities, supplies
+    from febkit.modelling.schema import mixture_laws
+    from febkit.solver import reactions
     from febkit.solver.solids.registry import tables
 
-    kinds = [t for types in tables().values() for t in types]
-    kinds += [*permeabilities.TYPES, *supplies.TYPES, *table()["material"]]
+    kinds = [t for types in (*tables().values(), *(r.TYPES for r in mixture_laws()), reactions.TYPES) for t in types]
+    kinds += table()["material"]
     out: dict[str, str] = {}
     for kind in kinds:
         out.setdefault(name_of(kind), kind)
@@ -53,7 +55,9 @@ def of(type: str, /, **parameters: Any) -> Node:
         raise InputError(missing("material", type, [*names().values()]))
     node = Node.of(Component("material", type), type)
     for name, value in parameters.items():
-        if isinstance(value, (list, tuple)) and value and all(isinstance(v, Node) for v in value):
+        if name in ("vR", "vP") and isinstance(value, dict):
+            _add_stoichiometry(node, name, value)
+        elif isinstance(value, (list, tuple)) and value and all(isinstance(v, Node) for v in value):
             for v in value:
                 node.add(name, v)
         elif value is not None:
@@ -62,6 +66,41 @@ def of(type: str, /, **parameters: Any) -> Node:
             except AttributeError as e:
                 raise InputError(str(e)) from None
     return node
+
+
+def Solute(name: str, *, diffusivity: Node, solubility: Node, supply: Node | None = None) -> Node:
+    """A solute of a mixture, by its name in the model: ``m.solute(name, charge=...)`` declares it.
+
+    diffusivity: DiffConstIso(free_diff=, diff=), ...; solubility: SolubConst(solub=), ...; supply: in BiphasicSolute.
+    """
+    return _species("solute", "sol", name, {"diffusivity": diffusivity, "solubility": solubility, "supply": supply})
+
+
+def SolidBound(name: str, *, rho0: Any = 0.0, rhomin: float = 0.0, rhomax: float = 0.0) -> Node:
+    """A solid-bound molecule of a mixture, by its name in the model: ``m.solid_bound(name, ...)`` declares it.
+
+    rho0, rhomin, rhomax: initial, least and largest apparent density (mass / reference volume); rhomax 0: no limit.
+    """
+    return _species("solid_bound", "sbm", name, {"rho0": rho0, "rhomin": rhomin, "rhomax": rhomax})
+
+
+def _species(tag: str, attribute: str, name: str, parameters: dict[str, Any]) -> Node:
+    from febkit.model import Component
+    from febkit.modelling.node import Node
+
+    node = Node.of(Component(tag, attrs={attribute: name}), f"{tag} {name}")
+    for k, v in parameters.items():
+        if v is not None:
+            node[k] = v
+    return node
+
+
+def _add_stoichiometry(node: Node, tag: str, coefficients: dict[str, int]) -> None:
+    """vR={"A": 1, "B": 2}: stoichiometric coefficients by species."""
+    from febkit.model import Component
+
+    for name, n in coefficients.items():
+        node.add(tag, Component(tag, attrs={"species": name}, children=(Component(tag, text=str(n)),)))
 
 
 @cache
@@ -109,4 +148,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({"of", *names()})
+    return sorted({"of", "Solute", "SolidBound", *names()})

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import Domain, InputError, Mesh, Output, PlotVariable, Step
+from febkit.model import Domain, InputError, Mesh, Output, PlotVariable, Step, species
 from febkit.model import Model as Record
+from febkit.model.species import Species
 
 from . import meshes, selection
 from .curves import Curves
@@ -19,6 +20,7 @@ from .node import Node
 from .output import Outputs
 from .parts import Materials, Parts
 from .sets import ElementSets, NodeSets, Surfaces
+from .species import declared
 from .stage import Stage
 from .steps import Steps, StepView, control
 
@@ -29,10 +31,16 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 MODULES = ("solid", "biphasic", "solute", "multiphasic")
-PLOTS = {
+MIXTURE = ("displacement", "effective fluid pressure", "fluid pressure", "stress", "Lagrange strain", "fluid flux")
+PLOTS: dict[str, tuple[str, ...]] = {
     "solid": ("displacement", "stress", "Lagrange strain"),
     "biphasic": ("displacement", "effective fluid pressure", "stress", "Lagrange strain", "fluid flux"),
-}
+    "solute": (*MIXTURE, "effective solute concentration", "solute concentration", "solute flux"),
+    "multiphasic": (
+        *MIXTURE, "effective solute concentration", "solute concentration", "solute flux", "electric potential",
+        "current density", "fixed charge density", "osmolarity",
+    ),
+}  # fmt: skip
 
 
 class Model(Stage):
@@ -222,6 +230,31 @@ class Model(Stage):
                 own[b.name] = Domain(b.name, kind, material) if old is None else replace(old, material=material)
         order = [n for n in names if n in own] + [n for n in own if n not in names]
         self._put(domains=tuple(own[n] for n in order))
+
+    # ---- solutes ----------------------------------------------------------------------------------
+    def solute(self, name: str, charge: int = 0, *, molar_mass: float = 1.0, density: float = 1.0) -> None:
+        """One more solute: ``m.solute("Na+", charge=1)``; the first has the degree of freedom c1, and so on.
+
+        charge: charge number; molar_mass and density make its molar volume, which only reactions need.
+        """
+        self._record = declared(self._record, "solute", name, charge, molar_mass, density)
+
+    def solid_bound(self, name: str, charge: int = 0, *, molar_mass: float = 1.0, density: float = 1.0) -> None:
+        """One more solid-bound molecule: ``m.solid_bound("CS", charge=-2, molar_mass=463e-9, density=1.5e-3)``.
+
+        molar_mass (mass / mole) and density, true (mass / volume), turn its apparent density into charge and volume.
+        """
+        self._record = declared(self._record, "solid_bound", name, charge, molar_mass, density)
+
+    @property
+    def solutes(self) -> tuple[Species, ...]:
+        """The solutes in the order of c1, c2, ..."""
+        return species.solutes(self._record)
+
+    @property
+    def solid_bound_molecules(self) -> tuple[Species, ...]:
+        """The solid-bound molecules in the model's order."""
+        return species.solid_bound(self._record)
 
     # ---- curves, steps, output --------------------------------------------------------------------
     @property

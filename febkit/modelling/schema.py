@@ -22,8 +22,10 @@ def parameters(c: Component) -> set[str]:
     if c.tag == "Control":
         return set(frozenset().union(*table()["analysis"].values())) | {"time_stepper", "solver"}
     kind = "solver" if c.tag == "solver" else KINDS.get(c.tag)
-    types = anywhere() if kind is None else table()[kind]
-    return set(types.get(c.type or "", frozenset()))
+    if c.type is None and c.tag in ("solute", "solid_bound"):  # properties that are their own type
+        return set(table()["other"][c.tag])
+    own = {} if kind is None else table()[kind]
+    return set(own.get(c.type or "") or anywhere().get(c.type or "", frozenset()))
 
 
 def attribute(tag: str) -> str:
@@ -39,18 +41,32 @@ def tag(name: str, known: Iterable[str]) -> str | None:
 
 def record(c: Component) -> Any:
     """The solver's class of a material or property, None where it has none. Imports that one file."""
-    from febkit.solver import permeabilities, supplies
     from febkit.solver.solids import registry
 
     kind = c.type or c.tag
-    if permeabilities.known(kind):
-        return permeabilities.load(kind)
-    if supplies.known(kind):
-        return supplies.load(kind)
+    for laws in mixture_laws():
+        if laws.known(kind):
+            return laws.load(kind)
     for name in registry.tables():
         if registry.known(name, kind):
             return registry.load(name, kind)
     return None
+
+
+def mixture_laws() -> tuple[Any, ...]:
+    """Registries of the laws of fluids and solutes."""
+    from febkit.solver import (
+        diffusivities,
+        osmotic_coefficients,
+        permeabilities,
+        reaction_rates,
+        solubilities,
+        solute_supplies,
+        supplies,
+    )
+
+    solutes = diffusivities, solubilities, osmotic_coefficients, solute_supplies, reaction_rates
+    return permeabilities, supplies, *solutes
 
 
 def _field(tag_: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ from febkit.feb.dofs import BY_DOF
 from febkit.feb.features import table
 from febkit.model import Component, InputError, Step, SurfacePair
 
+from . import species
 from .curves import resolved, scaled
 from .node import Node
 from .sets import fresh, missing, node_reference, surface_reference
@@ -123,16 +125,16 @@ class Stage:
         """Hold degrees of freedom at zero: ``m.fix("bottom", "x", "y", "z")``, ``m.fix("top", "p")``.
 
         where: a node set, surface or part by name, or a selection; dofs: x y z, u v w (rotations), sx sy sz (shells),
-        p (effective fluid pressure), c1 c2 ... (effective concentrations).
+        p (effective fluid pressure), c1 c2 ... or solutes by name (effective concentrations).
         """
-        groups = _grouped(dofs)
+        groups = _grouped(self._dofs(dofs))
         where_ = node_reference(self.model, where)
         made = []
         for own in groups:
             g = BY_DOF[own[0]]
             if g.fixed is None:
                 raise InputError(f"{own[0]} cannot be fixed")
-            flags = [Component("c_dof", text=",".join(own))] if own[0][0] == "c" else [
+            flags = [Component("c_dof", text=own[0])] if own[0][0] == "c" else [
                 Component(f"{d}_dof", text="1" if d in own else "0") for d in g.dofs]  # fmt: skip
             parts = tuple(flags) if g.named else ()
             made.append(self.boundary.add(Component("bc", g.fixed, name, None, "", {"node_set": where_}, parts)))
@@ -144,11 +146,12 @@ class Stage:
         """Prescribe degrees of freedom: ``m.prescribe("top", z=-0.1, curve=[(0, 0), (1, 1)])``.
 
         Values are numbers, formulas of X, Y, Z and t, or names of maps as ``{"map": name}``; ``curve`` multiplies
-        them: points (t, value), or the id of a curve; without one they act at once.
+        them: points (t, value), or the id of a curve; without one they act at once. A solute's name stands for its
+        effective concentration: ``m.prescribe("bath", **{"Na+": 150})``.
         """
         where_, lc = node_reference(self.model, where), resolved(self.model, curve)
         made = []
-        for dof, value in dofs.items():
+        for dof, value in zip(self._dofs(dofs), dofs.values()):
             _ = _grouped((dof,))
             g = BY_DOF[dof]
             if g.prescribed is None:
@@ -160,10 +163,10 @@ class Stage:
         return made
 
     def initial(self, where: Any = "all", *, name: str | None = None, **dofs: Any) -> list[Node]:
-        """Initial values: ``m.initial(p=0.1, c1=150)``, ``m.initial("ball", velocity=(0, 0, -1))``."""
+        """Initial values: ``m.initial(p=0.1, c1=150)``, ``m.initial("ball", velocity=(0, 0, -1))``; solutes by name."""
         where_ = node_reference(self.model, where)
         made = []
-        for dof, value in dofs.items():
+        for dof, value in zip(self._dofs(dofs), dofs.values()):
             if dof == "velocity":
                 kind, parts = "initial velocity", [Component("value", text=written(value))]
             else:
@@ -178,12 +181,16 @@ class Stage:
             made.append(self.initial_conditions.add(ic))
         return made
 
+    def _dofs(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Degrees of freedom by FEBio's names."""
+        return tuple(species.dof(self.model.record, n) for n in names)
+
     # ---- loads ------------------------------------------------------------------------------------
     def load(self, where: Any, type: str, *, curve: Any = None, name: str | None = None, **parameters: Any) -> Node:
         """A nodal, surface or body load by FEBio's type: ``m.load("top", "pressure", pressure=0.2, curve=...)``.
 
         where: a surface (or m.faces(...)) for surface loads, a node set or selection for nodal ones, a part or element
-        set (None: everything) for body loads. ``curve`` multiplies the load's magnitude.
+        set (None: everything) for body loads. ``curve`` multiplies the load's magnitude. ``solute_id`` may be a name.
         """
         kind = next((k for k in LOADS if type in table()[k]), None)
         if kind is None:
@@ -196,6 +203,8 @@ class Stage:
             attrs["node_set"] = node_reference(self.model, where)
         elif where is not None:
             attrs["elem_set"] = str(where)
+        if isinstance(parameters.get("solute_id"), str):
+            parameters["solute_id"] = species.number_of(self.model.record, parameters["solute_id"])
         c = _filled(Component(kind, type, name, None, "", attrs), parameters)
         return self.loads.add(self._driven(c, curve))
 
@@ -275,12 +284,12 @@ class Stage:
 
 
 def _grouped(dofs: tuple[str, ...]) -> list[list[str]]:
-    """Degrees of freedom by the condition that holds them."""
-    out: dict[int, list[str]] = {}
+    """Degrees of freedom by the condition that holds them; a condition holds one concentration."""
+    out: dict[str, list[str]] = {}
     for d in dofs:
         if d not in BY_DOF:
             raise InputError(missing("degree of freedom", d, BY_DOF))
-        out.setdefault(id(BY_DOF[d]), []).append(d)
+        out.setdefault(d if d[0] == "c" else str(BY_DOF[d].dofs), []).append(d)
     if not out:
         raise InputError("which degrees of freedom? x, y, z, p, c1, ...")
     return list(out.values())
