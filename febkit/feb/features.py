@@ -718,7 +718,7 @@ generation: solid start_time
 hypre_gmres: maxiter print_level tol
 hypre_pcg_amg: amg_tol maxiter print_level tol
 ichol:
-ideal gas: M ar sr
+ideal gas: M ao ar cp sr
 ideal gas isentropic: M cv0 gamma
 ilu0: replace_zero_diagonal zero_replace zero_threshold
 ilut: filltol maxfill replace_zero_diagonal zero_replace zero_threshold
@@ -751,7 +751,7 @@ node_data:
 nonlinear:
 nrrd: file
 optimize:
-osm-coef-Manning: ksi osmc
+osm-coef-Manning: co_ion ksi osmc
 osm-coef-const: osmcoef
 param_run:
 parameter_sweep:

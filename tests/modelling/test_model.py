@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -345,3 +346,88 @@ def test_every_solver_material_has_a_constructor() -> None:
     assert {t for kinds in tables().values() for t in kinds} <= types
     for name in mt.names():
         assert name.isidentifier()
+
+
+# ---- solutes --------------------------------------------------------------------------------------
+
+
+def charged() -> febkit.Model:
+    """A block of charged tissue, its salt and a molecule bound to it."""
+    m = febkit.Model("multiphasic", units="mm-N-s")
+    m.set_constants(R=8.314e-6, T=298.0, Fc=9.65e-5)
+    m.solute("Na+", charge=1)
+    m.solute("Cl-", charge=-1)
+    m.solid_bound("CS", charge=-2, molar_mass=4e-7, density=1.5e-3)
+    m.add_block("tissue", (1, 1, 1), (1, 1, 2))
+    ions = [
+        mt.Solute(n, diffusivity=mt.DiffConstIso(free_diff=d, diff=0.5 * d), solubility=mt.SolubConst(solub=1.0))
+        for n, d in (("Na+", 1.3e-3), ("Cl-", 2.0e-3))
+    ]
+    m.materials["tissue"] = mt.Multiphasic(
+        phi0=0.2, solid=mt.NeoHookean(E=0.5, v=0.1), permeability=mt.PermConstIso(perm=1e-3),
+        osmotic_coefficient=mt.OsmCoefConst(osmcoef=1.0), fixed_charge_density=-100.0, solute=ions,
+        solid_bound=mt.SolidBound("CS", rho0=1e-5),
+        reaction=mt.ConcentrationIndependent(vP={"CS": 1, "Na+": 2}, forward_rate=mt.ConstantReactionRate(k=0.01)))
+    m.fix("all", "x", "y", "z")
+    m.initial(**{"Na+": 150.0, "Cl-": 150.0})
+    m.prescribe(m.nodes(z="max"), p=-0.743, **{"Na+": 150.0, "Cl-": 150.0})
+    m.step(time=10.0, dt=5.0)
+    return m
+
+
+def test_solutes_are_declared_once_and_named_afterwards(tmp_path: Path) -> None:
+    m = charged()
+    assert [(s.name, s.id, s.charge) for s in m.solutes] == [("Na+", 1, 1), ("Cl-", 2, -1)]
+    assert m.solid_bound_molecules[0].molar_mass == 4e-7
+    assert not [f for f in m.validate() if f.severity == "error"]
+    assert [c["dof"].value for c in (m.boundary[2], m.boundary[3])] == ["c1", "c2"]
+    m.write(tmp_path / "m.feb")
+    again = febkit.read(tmp_path / "m.feb")
+    assert again == m
+    again.solute("Glc")  # a file's own list grows
+    again.write(tmp_path / "longer.feb")
+    longer = febkit.read(tmp_path / "longer.feb")
+    assert [s.name for s in longer.solutes] == ["Na+", "Cl-", "Glc"] and len(longer.solid_bound_molecules) == 1
+    ds = m.solve().dataset
+    assert list(ds["solute"].values) == ["Na+", "Cl-"]
+    inside = ds["solute_concentration"].isel(time=-1)
+    assert (inside.sel(solute="Na+") > inside.sel(solute="Cl-") + 50).all()
+
+
+def test_every_solute_has_a_condition_of_its_own() -> None:
+    """FEBio's zero concentration takes one solute."""
+    m = charged()
+    made = m.fix(m.nodes(z="min"), "Cl-", "c1", "p")
+    zero = "zero concentration"
+    assert [(c.type, c["c_dof"].value) for c in made[:2]] == [(zero, "c2"), (zero, "c1")]
+    assert made[2].type == "zero fluid pressure"
+    flux = m.load(m.faces(z="min"), "soluteflux", solute_id="Cl-", flux=0.1, linear=True)
+    assert flux.solute_id == 2
+    assert m.solve().converged
+
+
+def test_what_is_wrong_with_a_solute_is_said() -> None:
+    m = charged()
+    for bad, said in ((lambda: m.solute("Na+"), "has a species 'Na\\+' already"),
+                      (lambda: m.solute("K+", 0.5), "charge number is a whole number, not 0.5"),  # type: ignore[arg-type]
+                      (lambda: m.solid_bound("HA", density=0.0), "density must be more than 0"),
+                      (lambda: m.prescribe("all", K=1.0), 'no degree of freedom "K"'),
+                      (lambda: m.load(m.faces(z="min"), "soluteflux", solute_id="K+"), 'no solute "K\\+"')):
+        with pytest.raises(InputError, match=said):
+            bad()
+    m.materials["tissue"].add("solute", mt.Solute(
+        "Cl", diffusivity=mt.DiffConstIso(), solubility=mt.SolubConst()))
+    with pytest.raises(InputError, match='there is no solute "Cl" in <Globals>'):
+        m.solve()
+
+
+def test_parameters_of_a_solute_are_checked_and_found() -> None:
+    m = charged()
+    sodium, chloride = m.materials["tissue"].all("solute")
+    chloride.diffusivity.diff = 5e-4
+    assert sodium.diffusivity.diff == 6.5e-4 and m.materials["tissue"].all("solute")[1].diffusivity.diff == 5e-4
+    with pytest.raises(AttributeError, match="no parameter 'dif'; did you mean diff"):
+        sodium.diffusivity.dif = 1.0
+    assert "free_diff=1.0" in str(signature(mt.DiffConstIso))
+    # properties of several parameters, by their constructors: each is known
+    assert mt.OsmCoefManning(osmc=1.0, ksi=2.0, co_ion="Cl-").co_ion == "Cl-"
