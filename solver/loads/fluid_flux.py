@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class FluidFlux(SurfaceLoad):
-    """Volume of fluid entering per area and time, relative to the solid; of the mixture where ``mixture``.
+    """Volume of fluid leaving per area and time, relative to the solid; of the mixture where ``mixture``.
 
     dt int N (flux |a| - v . a), the last term where ``mixture`` and not ``steady`` (a steady-state
     analysis). FEBio User Manual, "Fluid Flux". ``linear`` takes the areas of the reference.

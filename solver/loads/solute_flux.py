@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class SoluteFlux(SurfaceLoad):
-    """Moles of a solute entering per area and time: dt int N flux |a|. FEBio User Manual, "Solute Flux".
+    """Moles of a solute leaving per area and time: dt int N flux |a|. FEBio User Manual, "Solute Flux".
 
     ``solute``: its number in the model, from 1; ``linear`` takes the areas of the reference.
     """

@@ -38,4 +38,11 @@ def test_edit_and_solve(tmp_path: Path) -> None:
     assert example("edit_and_solve").main(febkit.read(tmp_path / "m.feb")) == pytest.approx(2.0, rel=2e-3)
 
 
+def test_donnan_swelling() -> None:
+    """Charged tissue in 150 mmol/l of salt swells by half, as the balance of stress and Donnan pressure has it."""
+    found, expected = example("donnan_swelling").main(150.0, n=2)
+    assert found == pytest.approx(PINNED_SWELLING, rel=1e-5) and found == pytest.approx(expected, rel=1e-4)
+
+
 PINNED_SHARE = 0.37553
+PINNED_SWELLING = 1.48612
