@@ -1,13 +1,14 @@
-"""All is said in pyproject.toml; this makes editable installs take the data files along as wheels do."""
+"""Finds the packages, solver/ and templates/ by the names that pyproject.toml gives them; all else is said there."""
 
-from setuptools import Distribution, setup
+import tomllib
 
+from setuptools import find_packages, setup
 
-class WithData(Distribution):
-    """setuptools' editable_wheel asks whether a distribution ``has_data``, and none says so of itself."""
+with open("pyproject.toml", "rb") as f:
+    placed = tomllib.load(f)["tool"]["setuptools"]["package-dir"]
 
-    def has_data(self) -> bool:
-        return bool(self.has_data_files())
-
-
-setup(distclass=WithData)
+# the links of febkit/ to the placed folders are for static readers, and no packages
+packages = find_packages(include=["febkit", "febkit.*"], exclude=[n + end for n in placed for end in ("", ".*")])
+for name, folder in placed.items():
+    packages += [name, *(f"{name}.{p}" for p in find_packages(folder))]
+setup(packages=packages)

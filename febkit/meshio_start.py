@@ -1,8 +1,7 @@
-"""meshio learns .feb and .xplt while it is imported, so that ``meshio.read("m.feb")`` needs no word of febkit.
+"""``import febkit`` has meshio know .feb and .xplt, whichever of the two is imported first.
 
-meshio has no entry points. ``febkit_meshio.pth``, which is installed beside the package, puts a finder before
-Python's own that asks :func:`spec` when meshio, and nothing else, is looked for; ``import febkit`` does the same
-where .pth files are not read (``pip install --target``, PYTHONPATH). febkit itself is loaded when a file is read.
+meshio has no entry points. Where it is not loaded yet, a finder before Python's own waits for meshio, and nothing
+else, to be looked for: febkit does not import it. What reads files is loaded when a file is read.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-NAME = "FebkitInMeshio"  # of the finder; the one of febkit_meshio.pth has it too
+NAME = "FebkitInMeshio"  # of the finder
 
 
 def watch() -> None:
