@@ -83,7 +83,8 @@ def command(
     style: str,
     units: str | None,
 ) -> None:
-    """Measure each cell of RESULTS at every time: shape, volume, strain, stress, shear, mass exchange.
+    """Measure each cell of RESULTS at every time: shape, volume, strain, stress, shear, mass exchange; of mixtures with
+    solutes, concentrations, amounts and exchange of each, osmolarity, charge, potential, Donnan pressure and swelling.
 
     \b
     febkit metrics run.xplt                          # cells: parts or sets called cell... or chondrocyte...
@@ -106,8 +107,7 @@ def command(
             raise click.UsageError("--fields needs -o FILE.nc")
     else:
         data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides, exchange)
-        _printed(data, [str(k) for k in metrics.METRICS if k in data], "cell", times, style)
-        _notes(data)
+        _of_cells(data, times, style)
     if "unit_system" not in data.attrs:
         printing.note(UNKNOWN)
     if output is not None:
@@ -137,6 +137,19 @@ def opened(
     return ds, found
 
 
+def _of_cells(data: xr.Dataset, times: tuple[float, ...], style: str) -> None:
+    """Print the study's six and, of mixtures, what the cells hold."""
+    from febkit import metrics
+    from febkit.metrics import osmotic
+
+    flat = osmotic.split(data)
+    _printed(flat, [k for k in metrics.METRICS if k in flat], "cell", times, style)
+    held = list(osmotic.names(flat))
+    if held:
+        _printed(flat, held, "cell", times, style)
+    _notes(data)
+
+
 def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, ...], style: str) -> None:
     import numpy as np
 
@@ -159,10 +172,13 @@ def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, .
 
 
 def _notes(data: xr.Dataset) -> None:
+    said: dict[str, list[str]] = {}
     for name in data.data_vars:
         how = data[name].attrs.get("how")
         if how:
-            printing.note(f"{name}: {how}")
+            said.setdefault(how, []).append(str(name))
+    for how, names in said.items():
+        printing.note(f"{', '.join(names)}: {how}")
     if data.attrs.get("missing"):
         printing.note(f"missing: {data.attrs['missing']}")
 
@@ -171,6 +187,9 @@ def _write(data: xr.Dataset, path: Path) -> None:
     from febkit.files import put
 
     if path.suffix == ".csv":
+        from febkit.metrics.osmotic import split
+
+        data = split(data)
         flat = data[[k for k in data.data_vars if data[k].ndim == 2]]
         put(path, _csv(flat).encode())
     else:

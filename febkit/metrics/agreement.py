@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from febkit import units
 from febkit.model import InputError
 
+from . import osmotic
 from .cells import METRICS
 from .ranks import spearman
 
@@ -29,9 +30,10 @@ MOMENTS = ("instantaneous", "steady", "peak")
 def align(control: xr.Dataset, test: xr.Dataset, rtol: float = 1e-4) -> tuple[xr.Dataset, xr.Dataset]:
     """Both datasets at the cells and the times they share (times within ``rtol``: plotfiles hold float32).
 
-    The test's values come in the control's units. Raises InputError where only one of the two names its units.
+    The test's values come in the control's units; metrics of each solute stand for themselves.
+    Raises InputError where only one of the two names its units.
     """
-    test = in_units_of(control, test)
+    control, test = osmotic.split(control), osmotic.split(in_units_of(control, test))
     shared = [c for c in control["cell"].values if c in set(test["cell"].values)]
     if not shared:
         raise InputError("the two results share no cell name")
@@ -69,8 +71,13 @@ def _moved(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:
     return (a.isel(time=later), b.isel(time=later)) if later.any() else (a, b)
 
 
+def usual(ds: xr.Dataset) -> list[str]:
+    """What is compared where nothing is named: the study's six, and what cells of a mixture hold, solute by solute."""
+    return [m for m in (*METRICS, *osmotic.names(ds)) if m in ds]
+
+
 def _metrics(a: xr.Dataset, b: xr.Dataset, metrics: Sequence[str] | None) -> list[str]:
-    names = [m for m in (metrics or METRICS) if m in a and m in b]
+    names = [m for m in (metrics or usual(a)) if m in a and m in b]
     if not names:
         raise InputError("the two results share no metric")
     return names
@@ -147,7 +154,8 @@ def at_moments(
     if abs(t[at] - first) > 1e-3 * max(first, 1e-12):
         raise InputError(f"no state at t = {first:g}; the nearest is {t[at]:g}")
     out = {}
-    for m in [m for m in (metrics or METRICS) if m in ds]:
+    ds = osmotic.split(ds)
+    for m in [m for m in (metrics or usual(ds)) if m in ds]:
         v = ds[m].transpose("cell", "time").values
         peak = v[np.arange(len(v)), np.nan_to_num(np.abs(v)).argmax(axis=1)]
         out[m] = (("moment", "cell"), np.stack([v[:, at], v[:, int(t.argmax())], peak]), ds[m].attrs)

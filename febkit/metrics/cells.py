@@ -1,4 +1,4 @@
-"""The six metrics of every cell at every time (Sibole et al. 2013, eqs 10-18)."""
+"""The six metrics of every cell at every time (Sibole et al. 2013, eqs 10-18), and those of charged mixtures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import exchange as exchanges
-from . import flux, shape
+from . import flux, osmotic, shape
 from . import groups as grouping
 from .fields import SCALARS, Sweep
 from .kinematics import Group, State
@@ -106,7 +106,11 @@ def cell_metrics(
     exchange   mass exchange from nodal fluxes on the surface ("nodal", the study's), or the flux that the
                discrete pressure equation balances ("consistent"): see :class:`.exchange.Consistent`
 
-    Values are in kPa, um, um^3 and pg/s where the unit system is known (``attrs["unit_system"]``). Where it is not
+    Where the model is of solutes (biphasic-solute, triphasic, multiphasic), what the cells hold as well, by solute
+    (cell, time, solute) and altogether: see :data:`febkit.metrics.osmotic.TABLE`.
+
+    Values are in kPa, um, um^3, pg/s, mM (mmol/l), nmol, nmol/s and mV where the
+    unit system is known (``attrs["unit_system"]``). Where it is not
     they are plain numbers in units of the model, and without a density the exchange is a rate of volume.
 
     Raises InputError where cells or displacement are missing, or result and model differ in units. Metrics that
@@ -120,7 +124,10 @@ def cell_metrics(
     flow = exchanges.make(ds, pick, on, sources, exchange, sides)
     data = _measure(ds, groups, pick, sources, flow)
     rho = density if density is not None else system.water if system else 1.0
-    data["volume_loss_rate"] = -rho * _rate(data["volume"], np.asarray(ds["time"].values, dtype=float))
+    times = np.asarray(ds["time"].values, dtype=float)
+    data["volume_loss_rate"] = -rho * _rate(data["volume"], times)
+    if "solute_amount" in data:
+        data["solute_exchange_rate"] = -_rate(data["solute_amount"], times)
     if flow is not None:
         data["mass_exchange_rate"] *= rho
     out = _dataset(ds, data, pick, sources, Scale(system))
@@ -146,6 +153,7 @@ def _measure(
     for g in groups:
         rest.add(g, g.at(np.zeros_like(g.X)))
     sweep = Sweep(ds, groups, sources)
+    inside = osmotic.Osmotic.make(groups, n, sources)
     raw: dict[str, Floats] = {}
 
     def put(name: str, t: int, value: Floats) -> None:
@@ -163,6 +171,9 @@ def _measure(
                 put(name, t, weighted[name] / now.volume)
         for name, value in now.compared_with(rest).items():
             put(name, t, value)
+        if inside is not None:
+            for name, value in inside.at(states, t).items():
+                put(name, t, value)
         if exchange is not None:
             put("mass_exchange_rate", t, exchange.outflow(sources.displacement(t), t))
     return raw
@@ -205,10 +216,10 @@ class _Moments:
 
 
 def _rate(v: Floats, t: Floats) -> Floats:
-    """(cell, time) backward difference; NaN at the first time."""
+    """(cell, time, ...) backward difference; NaN at the first time."""
     out = np.full(v.shape, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        out[:, 1:] = np.diff(v, axis=1) / np.diff(t)
+        out[:, 1:] = np.diff(v, axis=1) / np.diff(t).reshape(-1, *[1] * (v.ndim - 2))
     return out
 
 
@@ -226,9 +237,9 @@ def _dataset(
 ) -> xr.Dataset:
     import xarray as xr
 
-    dims = {"axes": ("axis",), "centroid": ("xyz",)}
+    dims = {"axes": ("axis",), "centroid": ("xyz",), **dict.fromkeys(osmotic.BY_SOLUTE, ("solute",))}
     out = {}
-    for name, (long_name, kind, formula) in TABLE.items():
+    for name, (long_name, kind, formula) in (TABLE | osmotic.TABLE).items():
         if name not in data:
             continue
         attrs: dict[str, object] = {"long_name": long_name, **scale.attrs(kind), "formula": formula}
@@ -236,12 +247,16 @@ def _dataset(
             attrs["how"] = sources.notes.of(name)
         out[name] = (("cell", "time", *dims.get(name, ())), data[name] * scale.by(kind), attrs)
     missing = [f"{m}: {sources.notes.of(m)}" for m in METRICS if m not in out]
+    first = osmotic.SCALARS[0]
+    if first not in out and sources.notes.of(first):
+        missing.append(f"{first} and what else a mixture holds: {sources.notes.of(first)}")
     counts = np.bincount(pick.owner, minlength=len(pick.names))
     coords = {
         "cell": list(pick.names),
         "time": ("time", np.asarray(ds["time"].values), scale.attrs("time")),
         "xyz": ["x", "y", "z"],
         "elements": ("cell", counts),
+        **({"solute": [str(s) for s in ds["solute"].values]} if "solute_amount" in out else {}),
     }
     about = {
         "source": "Sibole et al. 2013, eqs 10-18",

@@ -36,6 +36,8 @@ def solid(material: Component) -> Component:
 
 def closed_form(material: Component) -> bool:
     """True where the laws of all parts of this material are numbers known here."""
+    if material.child("solute") is not None:
+        return False
     known = material.child("permeability") is None or permeability(material) is not None
     return known and stress(material) is not None and material.child("solvent_supply") is None
 

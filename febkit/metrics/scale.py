@@ -1,4 +1,4 @@
-"""Units that metrics are given in, whatever the model's: kPa, um, um^3, um/s and pg/s."""
+"""Units that metrics are given in, whatever the model's: kPa, um, um^3, um/s, pg/s, mM, nmol, mV."""
 
 from __future__ import annotations
 
@@ -21,6 +21,10 @@ _KINDS: Mapping[str, tuple[str, str | None]] = {
     "volume": ("L^3", "um^3"),
     "flux": ("L/t", "um/s"),
     "time": ("t", None),
+    "concentration": ("c", "mM"),
+    "amount": ("n", "nmol"),
+    "amount rate": ("n/t", "nmol/s"),
+    "potential": ("V", "mV"),
 }
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from febkit.model import Model
+    from febkit.solver.multiphasic.material import Mixture
     from febkit.solver.physics.biphasic import Biphasic
     from febkit.solver.points import Points
     from febkit.solver.problem import Block
@@ -46,7 +47,7 @@ class SolverLaws:
 
         def law(F: Floats, J: Floats, t: float) -> Floats:
             out = np.zeros((J.size, 6))
-            block.solid.stress(self._points(group, block, F, J, t), out, None)
+            block.solid.stress(self.points(group, F, J, t), out, None)
             return _components_first(out, J)
 
         return law
@@ -59,7 +60,7 @@ class SolverLaws:
             raise UnsupportedError(f"the material of part {block.name!r} carries no fluid")
 
         def law(F: Floats, J: Floats, t: float) -> Floats:
-            points = self._points(group, block, F, J, t)
+            points = self.points(group, F, J, t)
             out = np.zeros((J.size, 6))
             mixture.permeability.permeability(points, mixture.phi0(t, points.X, points.e), out, None)
             return _components_first(out, J)
@@ -76,10 +77,19 @@ class SolverLaws:
 
         def law(F: Floats, J: Floats, p: Floats, t: float) -> Floats:
             out = np.zeros(J.size)
-            source.supply(self._points(group, block, F, J, t), p.T.reshape(-1), out, None, None)
+            source.supply(self.points(group, F, J, t), p.T.reshape(-1), out, None, None)
             return np.ascontiguousarray(out.reshape(J.shape[1], J.shape[0]).T)
 
         return law
+
+    def mixture(self, group: Group) -> Mixture:
+        """Fluid, solutes and charges of a part."""
+        from febkit.solver.physics.multiphasic import Multiphasic
+
+        block = self._block(group)
+        if not isinstance(block.physics, Multiphasic):
+            raise UnsupportedError(f"the material of part {block.name!r} carries no solutes")
+        return block.physics.mixture
 
     def _block(self, group: Group) -> Block:
         if self._blocks is None:
@@ -92,10 +102,11 @@ class SolverLaws:
             raise UnsupportedError(f"febkit has no law for the material of part {group.material!r}")
         return self._blocks[group.material]
 
-    def _points(self, group: Group, block: Block, F: Floats, J: Floats, t: float) -> Points:
+    def points(self, group: Group, F: Floats, J: Floats, t: float) -> Points:
         """Points element by element, as the solver orders them."""
         from febkit.solver.points import Points
 
+        block = self._block(group)
         g = J.shape[0]
         e = np.repeat(self._index(group, block), g)
         axes = block.axes

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from febkit.model import InputError, UnsupportedError, as_record
 
-from . import materials, tensors
+from . import materials, mixtures, tensors
 from .flux import darcy
 from .kinematics import Group, State
 from .solver_laws import SolverLaws
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+MIXED = (
+    "fluid flux of the mixture at the integration points, from displacement, effective fluid pressure and effective "
+    "concentrations"
+)
 # effective stress (e,), or mean stress (6, e), of a group's elements at a state, time index
 T = TypeVar("T")
 EffectiveStress = Callable[[State, int], Floats]
@@ -139,6 +143,10 @@ class Sources:
             self.notes.add(what, "nodal fluid flux of the plotfile")
             v, n = self._element("nodal_fluid_flux", group), group.element.nodes
             return lambda s, t: v(t)[:, :n].transpose(2, 1, 0)
+        mixed = self._mixture(group, what)
+        if mixed is not None:
+            self.notes.add(what, f"{MIXED}, extrapolated to nodes as FEBio does")
+            return lambda s, t: group.to_nodes(mixed(s, t))
         law = self._permeability(group)
         if law is not None:
             self.notes.add(
@@ -171,10 +179,15 @@ class Sources:
                     "model's permeability",
                 )
                 return self._flux(group, law)
+        mixed = None if spec is None or self._driven(spec) else self._mixture(group, what)
+        if spec is not None and mixed is not None and not (spec.child("reaction") or spec.child("solvent_supply")):
+            self.notes.add(what, MIXED)
+            return mixed
         self.notes.add(
             what,
             "missing: consistent exchange needs the effective fluid pressure and a model whose materials around "
-            "the cells are biphasic, without body forces on the fluid",
+            "the cells are biphasic, or have solutes and neither reactions nor solvent supply, without body forces on "
+            "the fluid",
         )
         return None
 
@@ -206,6 +219,10 @@ class Sources:
 
     def element_flux(self, group: Group) -> Callable[[State, int], Floats] | None:
         """(3, e) element mean fluid flux."""
+        mixed = self._mixture(group, "fluid_flux")
+        if mixed is not None:
+            self.notes.add("fluid_flux", f"mean of the {MIXED}")
+            return lambda s, t: group.mean(mixed(s, t))
         law = self._permeability(group)
         if law is not None:
             self.notes.add("fluid_flux", "mean of -K grad p at the integration points")
@@ -217,6 +234,11 @@ class Sources:
             return lambda s, t: f(t).T
         return None
 
+    def _mixture(self, group: Group, what: str) -> PointFlux | None:
+        """Fluid flux (3, g, e) of a mixture with solutes, None where the part is none."""
+        law = self._tried(lambda g: mixtures.make(self, g), group, what)
+        return None if law is None else lambda s, t: law(s, t).flux
+
     def _stress(self, group: Group) -> materials.Stress | None:
         spec = self.parts.get(group.material)
         if spec is None or self.laws is None:
@@ -227,7 +249,7 @@ class Sources:
         spec = self.parts.get(group.material)
         if spec is None or self.laws is None or "effective_fluid_pressure" not in self.ds:
             return None
-        if spec.child("permeability") is None:
+        if spec.child("permeability") is None or spec.type in mixtures.KINDS:
             return None
         return materials.permeability(spec) or self._tried(
             self.laws.permeability, group, "mass_exchange_rate"

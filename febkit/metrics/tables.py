@@ -19,6 +19,9 @@ HEADINGS = {  # metric -> short heading
     "effective_stress": "effective stress",
     "max_shear_strain": "max shear strain",
     "mass_exchange_rate": "mass exchange",
+    "solute_concentration": "concentration",
+    "solute_amount": "amount",
+    "solute_exchange_rate": "exchange",
 }
 SPREAD = ("median", "least", "greatest")
 
@@ -92,10 +95,16 @@ def _text(v: object) -> str:
 
 def heading(metric: str, units: str) -> str:
     """Column heading with its unit; without where the value is a pure number, or its unit is not known."""
-    name = HEADINGS.get(metric, metric.replace("_", " "))
+    stem, solute, of = metric.partition("[")
+    name = HEADINGS.get(stem, stem.replace("_", " ")) + (f" {of[:-1]}" if solute else "")
     if metric == "mass_exchange_rate" and not units:
         name = "volume exchange"  # there is no density without units
     return with_unit(name, units)
+
+
+def short(metric: str) -> str:
+    """The heading without a unit."""
+    return HEADINGS.get(metric) or heading(metric, "")
 
 
 def with_unit(name: str, units: str) -> str:
@@ -164,4 +173,4 @@ def rank_table(
             rows.append([label, str(moment), *cells])
     first = "first / second, in brackets the p-value of Fisher's z between the two"
     note = first if two else "in brackets the p-value of the correlation"
-    return Table(title, ["", "moment", *(HEADINGS.get(m, m) for m in names)], rows, note)
+    return Table(title, ["", "moment", *(short(m) for m in names)], rows, note)

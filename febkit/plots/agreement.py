@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from febkit.metrics.agreement import bland_altman as differences
-from febkit.metrics.tables import HEADINGS
+from febkit.metrics.osmotic import split
+from febkit.metrics.tables import short
 
 from . import canvas
 
@@ -17,14 +18,14 @@ if TYPE_CHECKING:
 
 
 def _names(metrics: Sequence[str]) -> list[str]:
-    return [HEADINGS.get(m, m) for m in metrics]
+    return [short(m) for m in metrics]
 
 
 def bland_altman(
     control: xr.Dataset, test: xr.Dataset, metrics: Sequence[str] | None = None, title: str = ""
 ) -> Any:
     """Difference over mean for each metric, with bias and 95 % limits; a colour for each cell."""
-    d = differences(control, test, metrics)
+    d, control = differences(control, test, metrics), split(control)
     names = [str(m) for m in d["metric"].values]
     columns = min(3, len(names))
     figure, axes = canvas.grid(-(-len(names) // columns), columns)

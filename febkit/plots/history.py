@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from febkit.metrics.agreement import in_units_of
-from febkit.metrics.cells import METRICS
+from febkit.metrics.agreement import in_units_of, usual
+from febkit.metrics.osmotic import split
 from febkit.metrics.tables import with_unit
 from febkit.model import InputError
 
@@ -29,8 +29,9 @@ def histories(
     until  last time shown; None for all, on a scale that shows ramp and relaxation
     """
     first = next(iter(results.values()))
-    results = {label: in_units_of(first, ds) for label, ds in results.items()}
-    names = [m for m in (metrics or METRICS) if m in first]
+    results = {label: split(in_units_of(first, ds)) for label, ds in results.items()}
+    first = split(first)
+    names = [m for m in (metrics or usual(first)) if m in first]
     unknown = [m for m in metrics or () if m not in first]
     if unknown or not names:
         what = f"no metric {unknown[0]!r}" if unknown else "no metrics"
