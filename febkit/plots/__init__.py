@@ -1,4 +1,4 @@
-"""The study's figures, drawn without a display: functions of datasets that return matplotlib figures."""
+"""Figures, drawn without a display: functions of datasets that return matplotlib figures, which notebooks show."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ _NAMES = {
     "outside_counts": "agreement",
     "errors": "agreement",
     "convergence": "agreement",
+    "xy": "curve",
     "sections": "section",
     "cut": "section",
     "scene": "render",
+    "movie": "animation",
     "save": "canvas",
 }
 __all__ = list(_NAMES)

@@ -36,7 +36,8 @@ def histories(
     if unknown or not names:
         what = f"no metric {unknown[0]!r}" if unknown else "no metrics"
         raise InputError(f"there is {what} in the first result; it has {', '.join(map(str, first.data_vars))}")
-    figure, axes = canvas.grid(len(names), len(results), sharex="col", sharey="row")
+    wide = 3.4 if len(results) > 1 else 4.6
+    figure, axes = canvas.grid(len(names), len(results), wide, 2.0, sharex="col", sharey="row")
     for c, (label, ds) in enumerate(results.items()):
         t = np.asarray(ds["time"].values, dtype=float)
         show = t <= (t.max() if until is None else until * (1 + 1e-6))
@@ -56,6 +57,9 @@ def histories(
                 ax.set_ylabel(canvas.label_of(first[m], m))
         axes[0, c].set_title(label)
         axes[-1, c].set_xlabel(with_unit("time", canvas.unit_of(ds["time"])))
+    cells = [str(c) for c in first["cell"].values]  # numbers from 0 where they have no names
+    canvas.cell_legend(figure, cells, canvas.cell_colours(len(cells)))
+    figure.align_ylabels(axes[:, 0])
     figure.suptitle(title)
     return figure
 

@@ -1,4 +1,5 @@
-"""A variable on the deformed mesh in three dimensions, whole or cut open, with arrows, by pyvista."""
+"""A quantity on the deformed mesh in three dimensions, whole or cut open, with arrows: drawn by pyvista, labelled by
+matplotlib."""
 
 from __future__ import annotations
 
@@ -7,17 +8,18 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.files import written
-from febkit.metrics.fields import COMPONENTS, FIELDS, element_fields
+from febkit.metrics.fields import element_fields
 from febkit.metrics.selection import select_cells
-from febkit.metrics.summary import scalar_of
 from febkit.model import InputError
+
+from . import canvas
+from .camera import VIEWS, Camera
+from .quantity import Quantity, clock, quantity, time_index
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,10 +29,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 AXES = "xyz"
-COLOURS = "viridis"
 RASTER = 20  # arrows along the longest side of what is shown
-# where each plane is looked at from, and which way is up: x-z and y-z upright, x-y as on paper
-VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
+FINER = 2  # pixels of the rendered picture to one of the figure
 # meshio's names of cells -> VTK's numbers
 VTK = {
     "hexahedron": 12, "wedge": 13, "tetra": 10, "pyramid": 14, "quad": 9, "triangle": 5, "line": 3,
@@ -58,9 +58,54 @@ class Plane:
             raise InputError(f'{text!r} is no plane: write "x=0", "y=0.5" or "z=1"') from None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Shot:
+    """What a scene shows, the same at all times."""
+
+    ds: xr.Dataset
+    quantity: Quantity
+    rows: Ints
+    plane: Plane | None = None
+    arrows: str | None = None
+    model: Model | None = None
+    edges: bool = True
+    scale: float = 1.0
+    cmap: Any = None
+
+    def at(self, t: int) -> tuple[Any, Any]:
+        """The outer surface at a state, deformed and coloured, and the face of the cut or None."""
+        pv = load()
+        body = grid(pv, self.ds, t, self.rows, self.scale)
+        colour(body, self.quantity, t)
+        if self.arrows is not None:
+            _vector(body, self.ds, self.arrows, t, self.model)
+        return _opened(body, self.plane)
+
+
+def shot(
+    ds: xr.Dataset,
+    variable: str = "displacement:magnitude",
+    plane: Plane | str | None = None,
+    parts: Sequence[str] | None = None,
+    arrows: str | None = None,
+    model: Model | None = None,
+    edges: bool = True,
+    colours: str | None = None,
+    scale: float = 1.0,
+) -> Shot:
+    """See :func:`scene`."""
+    load()
+    cut = Plane.parse(plane) if isinstance(plane, str) else plane
+    every = np.arange(ds.sizes["element"])
+    rows = every if parts is None else np.sort(select_cells(ds, list(parts), split=False).rows)
+    q = quantity(ds, variable, model)
+    if q.place not in ("node", "element", "domain"):
+        raise InputError(f"{q.name} lives on neither nodes nor elements")
+    return Shot(ds, q, rows, cut, arrows, model, edges, scale, canvas.colour_map(colours))
+
+
 def scene(
     ds: xr.Dataset,
-    path: str | os.PathLike[str],
     variable: str = "displacement:magnitude",
     time: float | None = None,
     plane: Plane | str | None = None,
@@ -71,42 +116,94 @@ def scene(
     edges: bool = True,
     size: tuple[int, int] = (1200, 900),
     title: str = "",
-) -> None:
-    """Draw ``variable`` on the deformed mesh without a display and write ``path`` (PNG).
+    *,
+    camera: Camera | str | None = None,
+    zoom: float = 1.0,
+    colours: str | None = None,
+    scale: float = 1.0,
+) -> Any:
+    """A figure of ``variable`` on the deformed mesh, drawn without a display.
 
-    variable   a plot variable, "name:component" of vectors and tensors (else magnitude, effective value), or
-               one of the element fields of :data:`febkit.metrics.FIELDS` (``model`` as there)
+    variable   a plot variable, "name:component" or "name:first" (principal values) of it, or an element field
+               (:func:`.quantity.quantity`; ``model`` as there)
     time       the last by default
     plane      a plane of the reference configuration that cuts the body open, in its deformed place: the
                half behind it is shown. The whole body by default
     parts      parts or element sets shown, globs too
     arrows     a vector variable ("fluid flux"): lengths by the root of its size; on a cut, what lies in it
+    limits     ends of the colours; 1 % and 99 % quantiles of what is seen by default
+    camera     "iso", an axis to look from ("x", "-z"), or azimuth and elevation in degrees ("30,20"); by default
+               somewhat aside of the cut. ``zoom`` above 1 is nearer
+    colours    a colour map of matplotlib
+    scale      displacements are drawn so many times as large
+    size       pixels at 150 to the inch
 
     Raises InputError where pyvista is missing or nothing can be rendered here.
     """
-    pv = _pyvista()
-    at = _time_index(ds, time)
-    cut = Plane.parse(plane) if isinstance(plane, str) else plane
-    rows = (
-        np.arange(ds.sizes["element"])
-        if parts is None
-        else np.sort(select_cells(ds, list(parts), split=False).rows)
-    )
-    body = _grid(pv, ds, at, rows)
-    label = _colour(body, ds, variable, at, model)
-    if arrows is not None:
-        _vector(body, ds, _known(arrows), at, model)
-    shell, face = _opened(body, cut)
+    s = shot(ds, variable, plane, parts, arrows, model, edges, colours, scale)
+    at = time_index(ds, time)
+    shell, face = s.at(at)
+    ends = limits or limits_of(seen(shell, face))
+    view = Camera.of(camera, s.plane.axis if s.plane else None, zoom).onto(shell)
+    words = "\n".join(w for w in (title, clock(ds, at)) if w)
+    with canvas.style():
+        return _page(s, shell, face, ends, view, size, words)
+
+
+def _page(
+    s: Shot, shell: Any, face: Any, ends: tuple[float, float], view: Camera, size: tuple[int, int], words: str
+) -> Any:
+    """The picture with its colour bar, title, axes and a bar that says how long a length is."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    figure = canvas.blank(size[0] / canvas.DPI, size[1] / canvas.DPI, layout=None)
+    wide = 1.25 / figure.get_figwidth()  # inches for the bar, its numbers and its label
+    top = 0.2 * (1 + words.count("\n")) / figure.get_figheight() + 0.02
+    box = (0.0, 0.0, max(1 - wide, 0.3), 1 - top)
+    pixels = [max(round(FINER * n * f), 16) for n, f in zip(size, box[2:])]
+    image = render(s, shell, face, ends, view, (pixels[0], pixels[1]))
+    ax = figure.add_axes(box)
+    ax.imshow(image, interpolation="antialiased", aspect="equal")
+    ax.set_axis_off()
+    view.triad(ax, image.shape)
+    view.ruler(ax, image.shape, canvas.pretty(canvas.unit_of(s.ds["X"])))
+    bar = figure.add_axes((box[2] + 0.12 / figure.get_figwidth(), 0.12, 0.16 / figure.get_figwidth(), 0.74 * (1 - top)))
+    values = seen(shell, face)
+    slack = 1e-6 * (ends[1] - ends[0])
+    low, high = float(np.nanmin(values)) < ends[0] - slack, float(np.nanmax(values)) > ends[1] + slack
+    beyond = "both" if low and high else "min" if low else "max" if high else "neither"
+    figure.colorbar(ScalarMappable(Normalize(*ends), s.cmap), cax=bar, extend=beyond, label=s.quantity.label)
+    bar.tick_params(labelsize=8)
+    bar.ticklabel_format(scilimits=(-3, 4))
+    figure.text(0.02, 0.985, words, ha="left", va="top", fontsize=10)
+    return figure
+
+
+def render(
+    s: Shot, shell: Any, face: Any, ends: tuple[float, float], view: Camera, size: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """(height, width, 3) picture of the mesh alone."""
+    pv = load()
     with pv.vtk_verbosity("off"):  # of how it looks for a display
-        plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="light kit")
-        _paint(plotter, shell, face, label, limits or _limits(shell, face), edges)
-        if arrows is not None:
-            _arrows(plotter, pv, face if face is not None else shell, cut)
-        _finish(plotter, shell, cut, f"{title}\n" * bool(title) + _clock(ds, at))
-        _write(plotter, path)
+        try:
+            plotter = pv.Plotter(off_screen=True, window_size=list(size), lighting="light kit")
+            plotter.set_background("white")
+            _paint(plotter, shell, face, s, ends)
+            if s.arrows is not None:
+                _arrows(plotter, pv, face if face is not None else shell, s.plane)
+            view.aim(plotter)
+            image = plotter.screenshot(None, return_img=True)
+        except (RuntimeError, AttributeError) as e:
+            raise InputError(f"nothing can be rendered here: {e}") from None
+        plotter.close()
+    if image is None or not np.ptp(image):
+        raise InputError("the picture came out empty: there is no OpenGL (EGL or OSMesa) to render with")
+    return np.asarray(image)[..., :3]
 
 
-def _pyvista() -> Any:
+def load() -> Any:
+    """pyvista. Raises InputError where it is missing or cannot render."""
     from importlib import import_module
 
     try:
@@ -125,30 +222,8 @@ def _pyvista() -> Any:
     return pv
 
 
-def _known(name: str) -> str:
-    """The dataset's name of FEBio's variable, its component kept."""
-    from febkit.results.dataset import variable_name
-
-    head, colon, word = name.partition(":")
-    return variable_name(head) + colon + word
-
-
-def _time_index(ds: xr.Dataset, time: float | None) -> int:
-    t = np.asarray(ds["time"].values, dtype=float)
-    if time is None:
-        return len(t) - 1
-    k = int(np.abs(t - time).argmin())
-    if abs(t[k] - time) > 1e-3 * max(abs(time), 1e-3):
-        raise InputError(f"no state at t = {time:g}; the nearest is {t[k]:g}")
-    return k
-
-
-def _clock(ds: xr.Dataset, at: int) -> str:
-    return f"t = {float(ds['time'].values[at]):g} {ds['time'].attrs.get('units', '')}".rstrip()
-
-
-def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:
-    """Reference mesh of these elements with displacements "u", and its "node", "row" and "part"."""
+def grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints, scale: float = 1.0) -> Any:
+    """Reference mesh of these elements with ``scale`` times the displacements "u", and its "node", "row" and "part"."""
     from febkit.results.vtk import cells
 
     shown = np.zeros(ds.sizes["element"], dtype=bool)
@@ -165,78 +240,51 @@ def _grid(pv: Any, ds: xr.Dataset, at: int, rows: Ints) -> Any:
     joined = {k: np.concatenate(c).astype(np.int64) for k, c in blocks.items()}
     nodes = np.unique(np.concatenate([c.ravel() for c in joined.values()]))
     X = np.asarray(ds["X"].values, dtype=float)[nodes]
-    grid = pv.UnstructuredGrid({k: np.searchsorted(nodes, c) for k, c in joined.items()}, X)
+    mesh = pv.UnstructuredGrid({k: np.searchsorted(nodes, c) for k, c in joined.items()}, X)
     u = ds["displacement"][at].values[nodes] if "displacement" in ds else np.zeros(X.shape)
-    grid.point_data["u"] = np.nan_to_num(np.asarray(u, dtype=float))
-    grid.point_data["node"] = nodes
-    grid.cell_data["row"] = np.concatenate([r for rs in order.values() for r in rs])
-    grid.cell_data["part"] = np.asarray(ds["part"].values)[grid.cell_data["row"]]
-    return grid
+    mesh.point_data["u"] = scale * np.nan_to_num(np.asarray(u, dtype=float))
+    mesh.point_data["node"] = nodes
+    mesh.cell_data["row"] = np.concatenate([r for rs in order.values() for r in rs])
+    mesh.cell_data["part"] = np.asarray(ds["part"].values)[mesh.cell_data["row"]]
+    return mesh
 
 
-def _colour(body: Any, ds: xr.Dataset, variable: str, at: int, model: Model | None) -> str:
-    """Put the scalar "colour" on the body's points or cells; its label."""
-    name, _, word = _known(variable).partition(":")
-    if name not in ds.data_vars and name in FIELDS and name not in COMPONENTS:
-        body.cell_data["colour"], units = _field(ds, name, at, body.cell_data["row"], model)
-    elif name not in ds.data_vars:
-        raise InputError(f"the result has no {name!r}; it has {', '.join(map(str, ds.data_vars))}")
+def colour(body: Any, q: Quantity, t: int) -> None:
+    """Put the quantity as "colour" on the body's points or cells."""
+    if q.place == "node":
+        body.point_data["colour"] = q.state(t, np.asarray(body.point_data["node"]))
+    elif q.place == "domain":
+        body.cell_data["colour"] = q.state(t)[np.asarray(body.cell_data["part"])]
     else:
-        v = ds[name].isel(time=at)
-        units = str(ds[name].attrs.get("units", ""))
-        if not word and "voigt" in v.dims:
-            word = "effective"
-        elif not word and "xyz" in v.dims:
-            word = "magnitude"
-        if v.dims[:1] == ("node",):
-            body.point_data["colour"] = scalar_of(name, word, v, _at_nodes(v, body))
-        else:
-            body.cell_data["colour"] = scalar_of(name, word, v, _by_element(ds, v, body.cell_data["row"]))
-    text = f"{name.replace('_', ' ')}{', ' + word if word else ''}"
-    return f"{text} ({units})" if units and units != "1" else text
+        body.cell_data["colour"] = q.state(t, np.asarray(body.cell_data["row"]))
 
 
-def _at_nodes(v: xr.DataArray, body: Any) -> Floats:
-    return np.asarray(np.asarray(v.values, dtype=float)[body.point_data["node"]])
-
-
-def _by_element(ds: xr.Dataset, v: xr.DataArray, rows: Ints) -> Floats:
-    """(e, ...) of element, element-node and domain values; those at nodes of elements by their mean."""
-    a = np.asarray(v.values, dtype=float)
-    if v.dims[:1] == ("domain",):
-        return np.asarray(a[np.asarray(ds["part"].values)[rows]])
-    if v.dims[:1] != ("element",):
-        raise InputError(f"{v.name} lives on neither nodes nor elements")
-    return np.asarray(np.nanmean(a[rows], axis=1) if "local" in v.dims else a[rows])
-
-
-def _field(ds: xr.Dataset, name: str, at: int, rows: Ints, model: Model | None) -> tuple[Floats, str]:
-    """An element field of the metrics at these rows, and its units."""
-    f = element_fields(ds.isel(time=[at]), {"shown": np.sort(rows)}, model, [name])
-    if name not in f:
-        raise InputError(f"{name} cannot be had from this result without its model")
-    where = np.searchsorted(f["element_row"].values, rows)
-    return np.asarray(f[name].values[0, where]), str(f[name].attrs.get("units", ""))
-
-
-def _vector(body: Any, ds: xr.Dataset, name: str, at: int, model: Model | None) -> None:
+def _vector(body: Any, ds: xr.Dataset, text: str, at: int, model: Model | None) -> None:
     """Put the vector "arrow" on the body's points or cells."""
+    from febkit.results.dataset import variable_name
+
+    name = variable_name(text)
+    rows = np.asarray(body.cell_data["row"])
     if name == "fluid_flux" and name not in ds.data_vars:
-        body.cell_data["arrow"] = _field(ds, name, at, body.cell_data["row"], model)[0]
+        f = element_fields(ds.isel(time=[at]), {"shown": np.sort(rows)}, model, [name])
+        if name not in f:
+            raise InputError("the fluid flux cannot be had from this result without its model")
+        body.cell_data["arrow"] = f[name].values[0, np.searchsorted(f["element_row"].values, rows)]
         return
     v = ds[name].isel(time=at) if name in ds.data_vars else None
-    if v is None or v.dims[-1:] != ("xyz",):
+    if v is None or v.dims[-1:] != ("xyz",) or v.dims[0] not in ("node", "element"):
         vectors = [str(n) for n in ds.data_vars if ds[n].dims[-1] == "xyz"]
-        raise InputError(f"{name!r} is no vector of this result; it has {', '.join(vectors) or 'none'}")
+        raise InputError(f"{text!r} is no vector of this result; it has {', '.join(vectors) or 'none'}")
+    a = np.asarray(v.values, dtype=float)
     if v.dims[0] == "node":
-        body.point_data["arrow"] = _at_nodes(v, body)
+        body.point_data["arrow"] = a[np.asarray(body.point_data["node"])]
     else:
-        body.cell_data["arrow"] = _by_element(ds, v, body.cell_data["row"])
+        body.cell_data["arrow"] = np.nanmean(a[rows], axis=1) if "local" in v.dims else a[rows]
 
 
 def _opened(body: Any, cut: Plane | None) -> tuple[Any, Any]:
     """Deformed outer surface of the body, or of the half behind the cut, and the cut's polygons or None."""
-    shell = _surface(body)
+    shell = surface(body)
     if cut is None:
         return _moved(shell), None
     k = AXES.index(cut.axis)
@@ -257,7 +305,7 @@ def _opened(body: Any, cut: Plane | None) -> tuple[Any, Any]:
     return _moved(half) if half.n_cells else _moved(face.copy()), _moved(face)
 
 
-def _surface(mesh: Any) -> Any:
+def surface(mesh: Any) -> Any:
     """Outer facets; newer pyvista asks which way they are found."""
     new = "algorithm" in inspect.signature(mesh.extract_surface).parameters
     return mesh.extract_surface(**({"algorithm": "dataset_surface"} if new else {}))
@@ -268,41 +316,39 @@ def _moved(mesh: Any) -> Any:
     return mesh
 
 
-def _limits(shell: Any, face: Any) -> tuple[float, float]:
-    """1 % and 99 % quantiles of what is seen."""
-    seen = [np.asarray(m["colour"]) for m in (shell, face) if m is not None]
-    v = np.concatenate(seen)
-    v = v[np.isfinite(v)]
+def seen(shell: Any, face: Any) -> Floats:
+    """All values on what is shown."""
+    return np.concatenate([np.asarray(m["colour"], dtype=float) for m in (shell, face) if m is not None])
+
+
+def limits_of(values: Floats) -> tuple[float, float]:
+    """1 % and 99 % quantiles."""
+    from .section import widened
+
+    v = values[np.isfinite(values)]
     if not len(v):
         raise InputError("the variable has no value on what is shown")
     low, high = (float(q) for q in np.quantile(v, [0.01, 0.99]))
-    return (low, high) if high > low else (low, low + max(abs(low), 1e-30) * 1e-3)
+    return (low, high) if high - low > 1e-9 * max(abs(low), abs(high)) else widened(low)
 
 
-def _paint(plotter: Any, shell: Any, face: Any, label: str, limits: tuple[float, float], edges: bool) -> None:
-    bar = {
-        "title": "\n".join(wrap(label, 18)) + "\n", "vertical": True, "height": 0.7, "width": 0.05, "position_x": 0.87,
-        "position_y": 0.14, "fmt": "%.4g", "n_labels": 6, "color": "black", "title_font_size": 18,
-        "label_font_size": 16,
-    }  # fmt: skip
+def _paint(plotter: Any, shell: Any, face: Any, s: Shot, ends: tuple[float, float]) -> None:
     style = {
-        "scalars": "colour", "cmap": COLOURS, "clim": list(limits), "nan_color": "lightgrey",
-        "show_edges": edges, "edge_color": "#404040", "line_width": 0.5,
+        "scalars": "colour", "cmap": s.cmap, "clim": list(ends), "nan_color": "lightgrey", "show_scalar_bar": False,
+        "show_edges": s.edges, "edge_color": "#404040", "line_width": 0.5 * FINER,
     }  # fmt: skip
-    plotter.add_mesh(
-        shell, **style, edge_opacity=0.35, show_scalar_bar=face is None, scalar_bar_args=bar, ambient=0.3
-    )
+    plotter.add_mesh(shell, **style, edge_opacity=0.35, ambient=0.3)
     if face is None:
         return
     # lit evenly: its colours are those of the bar
-    plotter.add_mesh(face, **style, edge_opacity=0.5, lighting=False, scalar_bar_args=bar)
+    plotter.add_mesh(face, **style, edge_opacity=0.5, lighting=False)
     for part in np.unique(face.cell_data["part"]):
-        piece = _surface(face.extract_cells(np.flatnonzero(face.cell_data["part"] == part)))
+        piece = surface(face.extract_cells(np.flatnonzero(face.cell_data["part"] == part)))
         border = piece.extract_feature_edges(
             boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
         )
         if border.n_cells:
-            plotter.add_mesh(border, color="black", line_width=2.5, lighting=False)
+            plotter.add_mesh(border, color="black", line_width=1.5 * FINER, lighting=False)
 
 
 def _arrows(plotter: Any, pv: Any, on: Any, cut: Plane | None) -> None:
@@ -316,7 +362,7 @@ def _arrows(plotter: Any, pv: Any, on: Any, cut: Plane | None) -> None:
     if not len(v):
         return
     low, high = centre.min(axis=0), centre.max(axis=0)
-    step = max(float((high - low).max()) / RASTER, 1e-30)
+    step = max(float((high - low).max()) * max(1 / RASTER, 0.7 / len(centre) ** 0.5), 1e-30)
     box = np.floor((centre - low) / step).astype(int)
     _, cube = np.unique(box, axis=0, return_inverse=True)
     middle = np.linalg.norm((centre - low) / step - box - 0.5, axis=1)
@@ -334,37 +380,6 @@ def _arrows(plotter: Any, pv: Any, on: Any, cut: Plane | None) -> None:
     points["direction"], points["length"] = v[pick] / norm[:, None], length
     shape = pv.Arrow(tip_length=0.4, tip_radius=0.16, shaft_radius=0.055)
     glyphs = points.glyph(orient="direction", scale="length", geom=shape)
-    # white with a dark rim shows on every colour
-    rim = {"color": "black", "line_width": 1.5}
-    plotter.add_mesh(glyphs, color="white", ambient=0.6, silhouette=rim, show_scalar_bar=False)
-
-
-def _finish(plotter: Any, shell: Any, cut: Plane | None, text: str) -> None:
-    """Background, text, axes; the camera a little aside of the cut's normal."""
-    plotter.set_background("white")
-    plotter.add_text(text.strip(), position="upper_left", font_size=12, color="black")
-    plotter.add_axes(color="black", line_width=3)
-    normal, up = (np.array(v, dtype=float) for v in VIEWS[cut.axis if cut else "y"])
-    right = np.cross(up, normal)
-    aside = (0.25, 0.2) if cut else (0.7, 0.5)
-    middle, reach = np.asarray(shell.center), float(shell.length)
-    place = middle + 3 * reach * (normal + aside[0] * right + aside[1] * up)
-    plotter.camera_position = [tuple(place), tuple(middle), tuple(up)]
-    plotter.enable_parallel_projection()
-    plotter.reset_camera()
-    # room for the colour bar
-    plotter.camera.window_center = (0.14, 0.0)
-    plotter.camera.zoom(1.1)
-    plotter.enable_anti_aliasing("ssaa")
-
-
-def _write(plotter: Any, path: str | os.PathLike[str]) -> None:
-    try:
-        with written(path) as part:
-            image = plotter.screenshot(os.fspath(part), return_img=True)
-            if image is None or not np.ptp(image):
-                raise InputError("the picture came out empty: there is no OpenGL (EGL or OSMesa) to render with")
-    except (RuntimeError, AttributeError) as e:
-        raise InputError(f"nothing can be rendered here: {e}") from None
-    finally:
-        plotter.close()
+    # dark with a light rim: seen on every colour, and on white
+    rim = {"color": "white", "line_width": 1.0 * FINER}
+    plotter.add_mesh(glyphs, color="black", lighting=False, silhouette=rim, show_scalar_bar=False)

@@ -261,4 +261,4 @@ def test_figures_name_units_only_where_they_are_known(runs: Path, unnamed: Path)
         words[name] = set(re.findall(r"\[([^\]]*)\]", text))
     assert {"time (s)", "effective stress (kPa)", "mass exchange (pg/s)", "x (m)"} <= words["known"]
     assert {"time", "effective stress", "volume exchange", "x"} <= words["plain"]
-    assert {"x (um)", "effective stress (kPa)"} <= words["told"]
+    assert {"x (µm)", "effective stress (kPa)"} <= words["told"]

@@ -10,7 +10,8 @@ from click.testing import CliRunner
 
 from febkit.cli.plot import command
 from febkit.model import InputError
-from febkit.plots import render, scene
+from febkit.plots import movie, render, save
+from febkit.plots import scene as figure
 
 from .test_figures import block
 
@@ -18,6 +19,10 @@ from .test_figures import block
 @pytest.fixture
 def pv():
     return pytest.importorskip("pyvista", reason="scenes need pyvista")
+
+
+def scene(ds, path, *args, **options):
+    save(figure(ds, *args, **options), path)
 
 
 def pixels(path):
@@ -53,7 +58,7 @@ def test_arrows_are_seen(pv, tmp_path):
 
 
 def test_the_cut_lies_in_the_deformed_material_plane(pv):
-    body = render._grid(pv, sheared(), 1, np.arange(64))
+    body = render.grid(pv, sheared(), 1, np.arange(64))
     _, face = render._opened(body, render.Plane("x", 0.5))
     # X = 0.5 and x = X + 0.2 Z, z = 0.9 Z
     assert np.allclose(face.points[:, 0], 0.5 + 0.2 * face.points[:, 2] / 0.9, atol=1e-5)
@@ -65,7 +70,7 @@ def test_the_cut_lies_in_the_deformed_material_plane(pv):
 
 def test_parts_are_shown_alone(pv):
     ds = sheared()
-    body = render._grid(pv, ds, 1, np.flatnonzero(ds["part"].values == 1))
+    body = render.grid(pv, ds, 1, np.flatnonzero(ds["part"].values == 1))
     assert body.n_cells == 32 and set(body.cell_data["part"]) == {1}
     assert body.bounds[0] == 0.5  # nodes of the rest are left out
     with pytest.raises(InputError, match="misses"):
@@ -75,7 +80,7 @@ def test_parts_are_shown_alone(pv):
 def test_a_plane_between_parts_is_refused(pv):
     ds = sheared()
     x = ds["X"].values[ds["connectivity"].values].mean(axis=1)[:, 0]
-    apart = render._grid(pv, ds, 1, np.flatnonzero(np.abs(x - 0.5) > 0.3))
+    apart = render.grid(pv, ds, 1, np.flatnonzero(np.abs(x - 0.5) > 0.3))
     with pytest.raises(InputError, match="cuts none"):
         render._opened(apart, render.Plane("x", 0.5))
 
@@ -92,6 +97,60 @@ def test_what_is_wrong_is_said(pv, tmp_path):
         with pytest.raises(InputError, match=words):
             scene(sheared(), out, **{"variable": "pressure", **options})
     assert not out.exists()
+
+
+def test_camera_limits_scale_and_colours_change_the_picture(pv, tmp_path):
+    plain = dict(variable="pressure", time=1.0, size=(400, 300))
+    base = figure(sheared(), **plain)
+    base.canvas.draw()
+    ours = np.array(base.canvas.buffer_rgba())
+    for other in ({"camera": "-z"}, {"camera": "30,20"}, {"zoom": 0.6}, {"limits": (0.0, 5.0)}, {"colours": "cividis"},
+                  {"scale": 0.0}):  # fmt: skip
+        f = figure(sheared(), **plain, **other)
+        f.canvas.draw()
+        assert (np.array(f.canvas.buffer_rgba()) != ours).any(axis=-1).mean() > 0.01, other
+    with pytest.raises(InputError, match="no camera"):
+        figure(sheared(), camera="above", **plain)
+    with pytest.raises(InputError, match="no colour map is called 'virdis'; viridis"):
+        figure(sheared(), colours="virdis", **plain)
+
+
+def test_a_bar_and_a_ruler_say_quantity_and_units(pv, tmp_path):
+    ds = sheared()
+    ds["X"].attrs["units"], ds["pressure"].attrs["units"] = "um", "kPa"
+    f = figure(ds, "pressure", 1.0, camera="y")
+    assert f.axes[-1].get_ylabel() == "pressure (kPa)"
+    ruler = f.axes[0].lines[0].get_xdata()
+    words = [t.get_text() for t in f.axes[0].texts]
+    assert words[-1] == "0.2 µm" and {"x", "z"} <= set(words) and "y" not in words
+    # the cube is 1.2 um wide at the sheared end
+    width = f.axes[0].images[0].get_array().shape[1]
+    coloured = np.ptp(np.asarray(f.axes[0].images[0].get_array(), dtype=int), axis=-1) > 40
+    across = np.flatnonzero(coloured.any(axis=0))
+    assert (across[-1] - across[0]) / np.ptp(ruler) * 0.2 == pytest.approx(1.2, abs=0.02) and width > 1000
+
+
+def test_movies_hold_a_picture_for_each_state(pv, tmp_path):
+    from PIL import Image
+
+    movie(sheared(), tmp_path / "m.gif", "pressure", size=(300, 240), limits=(0.0, 1.0))
+    with Image.open(tmp_path / "m.gif") as gif:
+        assert gif.n_frames == 2 and gif.size == (300, 240)
+        gif.seek(0)
+        first = np.asarray(gif.convert("RGB"), dtype=int)
+        gif.seek(1)
+        last = np.asarray(gif.convert("RGB"), dtype=int)
+    assert (np.abs(first - last).max(axis=-1) > 60).mean() > 0.05
+    with pytest.raises(InputError, match="ends in"):
+        movie(sheared(), tmp_path / "m.avi", "pressure")
+
+
+def test_an_mp4_can_be_read_again(pv, tmp_path):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="MP4 needs imageio-ffmpeg")
+    movie(sheared(), tmp_path / "m.mp4", "pressure", size=(301, 241))
+    reader = ffmpeg.read_frames(str(tmp_path / "m.mp4"))
+    assert next(reader)["size"] == (300, 240)
+    assert len(list(reader)) == 2
 
 
 def test_a_missing_pyvista_is_named(monkeypatch, tmp_path):
