@@ -218,7 +218,7 @@ def _shown(f: Any) -> Any:
         _LIMITS,
         _COLOURS,
         _SCALE,
-        click.option("--camera", metavar="VIEW", help='From "iso", an axis ("x", "-z"), or degrees: "AZIMUTH,ELEVATION".'),
+        click.option("--camera", metavar="VIEW", help='"iso", an axis ("x", "-z"), or degrees: "AZIMUTH,ELEVATION".'),
         click.option("--zoom", type=POSITIVE, default=1.0, show_default=True),
         click.option("--no-edges", is_flag=True, help="Leave out the edges of the elements."),
         units.OPTION,
