@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..jit import kernel
 from .solid import inverse_map
 
@@ -28,3 +30,32 @@ def subtract(lo, hi, conn, columns, f, R):
         for c in range(len(columns)):
             for a in range(conn.shape[1]):
                 R[conn[e, a], columns[c]] -= f[e - lo, c, a]
+
+
+@kernel
+def matrices(B, weight, A, K):
+    """K (e, C n, C n), component-major: sum over points of weight B . A . B; B (e, g, 4, n), A (e g, 4, C, C, 4).
+
+    The first three components are displacements, which enter by their gradients alone.
+    """
+    ng, n, C = B.shape[1], B.shape[3], A.shape[2]
+    X = np.empty(C * n)
+    for e in range(B.shape[0]):
+        M = K[e]
+        M[:] = 0.0
+        for g in range(ng):
+            b, T, w = B[e, g], A[e * ng + g], weight[e, g]
+            for r in range(C):
+                for a in range(1 if r < 3 else 0, 4):
+                    for s in range(C):
+                        t = T[a, r, s]
+                        if s < 3:
+                            for j in range(n):
+                                X[s * n + j] = t[1] * b[1, j] + t[2] * b[2, j] + t[3] * b[3, j]
+                        else:
+                            for j in range(n):
+                                X[s * n + j] = t[0] * b[0, j] + t[1] * b[1, j] + t[2] * b[2, j] + t[3] * b[3, j]
+                    for i in range(n):
+                        f, row = w * b[a, i], M[r * n + i]
+                        for j in range(C * n):
+                            row[j] += f * X[j]

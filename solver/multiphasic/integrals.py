@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..kernels.mixture import shapes
+from ..kernels import mixture as kernels
 from ..law import Floats
 
 
 def operators(lo: int, hi: int, N: Floats, dN: Floats, iJ0: Floats, F: Floats, J: Floats) -> Floats:
     """B of elements lo:hi at the deformation F (m, g, 3, 3), J (m, g)."""
     B = np.empty((hi - lo, *dN.shape[:1], 4, dN.shape[1]))
-    shapes(lo, hi, N, dN, iJ0, F, J, B)
+    kernels.shapes(lo, hi, N, dN, iJ0, F, J, B)
     return B
 
 
@@ -32,10 +32,11 @@ def forces(B: Floats, w: Floats, stress: Floats) -> Floats:
 
 
 def matrices(B: Floats, w: Floats, A: Floats) -> Floats:
-    """Element matrices (e, C n, C n), component-major: sum over points of w B . A . B, A (e g, 4, C, C, 4)."""
-    e, g, _, n = B.shape
-    C = A.shape[2]
-    right = np.matmul(A.reshape(e * g, 4 * C * C, 4), B.reshape(e * g, 4, n)).reshape(e, 4 * g, C * C * n)
-    left = (B * w[..., None, None]).reshape(e, 4 * g, n)
-    K = np.matmul(left.transpose(0, 2, 1), right).reshape(e, n, C, C, n)
-    return np.ascontiguousarray(K.transpose(0, 2, 1, 3, 4)).reshape(e, C * n, C * n)
+    """Element matrices (e, C n, C n), component-major: sum over points of w B . A . B, A (e g, 4, C, C, 4).
+
+    The first three components are displacements: what A holds for their values is passed over.
+    """
+    e, n, C = B.shape[0], B.shape[3], A.shape[2]
+    K = np.empty((e, C * n, C * n))
+    kernels.matrices(B, w, A, K)
+    return K

@@ -110,8 +110,7 @@ class _Tangent:
         A[:, 1:, P, P, 1:] = -dt * f.Ke
         A[:, 0, P, P, 0] = dt * phi_p
         k = mix.RT * sol.kappa / f.D0
-        self.KeD = np.einsum("nab,nibc->niac", f.Ke, f.D)
-        self.wg = -k[:, :, None, None] * self.KeD
+        self.wg = -k[:, :, None, None] * np.matmul(f.Ke[:, None], f.D)
         self.wv = self._flux_by_concentration()
         A[:, 1:, P, self.grad_c, 1:] = dt * self.wg.transpose(0, 2, 1, 3)
         A[:, 1:, P, self.grad_c, 0] = dt * self.wv.transpose(0, 2, 1)
@@ -150,7 +149,7 @@ class _Tangent:
         for i, dD in enumerate(self.dD):
             if dD is not None:
                 inner -= (beta[:, i] / f.D0[:, i])[:, None, None, None] * np.einsum("nc,ncakl->nakl", w, dD)
-        T = 2.0 * _spread(w, w, w) - np.einsum("nab,nbkl->nakl", f.Ke, inner)
+        T = 2.0 * _spread(w, w, w) - _contract(f.Ke, inner)
         if not self.consistent:  # FEBio 4.11 swaps the two
             T = T.swapaxes(1, 2).copy()
         k = sol.kappa / f.D0 * RT
@@ -160,7 +159,7 @@ class _Tangent:
         for i, dD in enumerate(self.dD):
             if dD is not None:
                 held = np.einsum("nc,ncbkl->nbkl", self.gc[:, i], dD) * k[:, i, None, None, None]
-                T -= np.einsum("nab,nbkl->nakl", f.Ke, held)
+                T -= _contract(f.Ke, held)
         return T
 
     def _flux_by_concentration(self) -> Floats:
@@ -188,13 +187,12 @@ class _Tangent:
         """Rows of the concentrations."""
         A, dt, z = self.A, self.dt, self.sol.z
         penalty = 0.0 if self.mix.neutral else self.mix.penalty
-        weight = np.eye(self.m) + penalty * z[None, :]  # what row i takes of flux j: delta_ij + penalty z_j
-        ju, jp, jg, jv = self._fluxes()
+        ju, jp, jg, jv = (_with_current(j, dt, penalty * z) for j in self._fluxes())
         rows = self.grad_c
-        A[:, 1:, rows, U, 1:] = dt * np.einsum("ij,njakl->naikl", weight, ju)
-        A[:, 1:, rows, P, 1:] = dt * np.einsum("ij,njab->naib", weight, jp)
-        A[:, 1:, rows, rows, 1:] = dt * np.einsum("ij,njkab->naikb", weight, jg)
-        A[:, 1:, rows, rows, 0] = dt * np.einsum("ij,njka->naik", weight, jv)
+        A[:, 1:, rows, U, 1:] = ju.transpose(0, 2, 1, 3, 4)
+        A[:, 1:, rows, P, 1:] = jp.transpose(0, 2, 1, 3)
+        A[:, 1:, rows, rows, 1:] = jg.transpose(0, 3, 1, 2, 4)
+        A[:, 1:, rows, rows, 0] = jv.transpose(0, 3, 1, 2)
         self._supplies()
 
     def _fluxes(self) -> tuple[Floats, Floats, Floats, Floats]:
@@ -210,13 +208,13 @@ class _Tangent:
         ju = np.einsum("nia,kl->niakl", vector, _EYE)
         for i in range(m):
             ju[:, i] += _pair(carried[:, i, :, None] * f.D[:, i], f.w, 1.0 if self.consistent else 2.0)
-        ju += np.einsum("niab,nbkl->niakl", carried[..., None] * f.D, self.wu)
+        cD = carried[..., None] * f.D
+        ju += np.matmul(cD, self.wu.reshape(-1, 1, 3, 9)).reshape(ju.shape)
         for i, dD in enumerate(self.dD):
             if dD is not None:
                 ju[:, i] += k[:, i, None, None, None] * np.einsum("nc,ncakl->nakl", gcf[:, i], dD)
-        cD = carried[..., None] * f.D
-        jp = -np.einsum("niab,nbc->niac", cD, f.Ke)
-        jg = np.einsum("niab,njbc->nijac", cD, self.wg)
+        jp = -np.matmul(cD, f.Ke[:, None])
+        jg = np.matmul(cD[:, :, None], self.wg[:, None])
         own = range(m)
         jg[:, own, own] -= (k * f.phi[:, None])[:, :, None, None] * f.D
         jv = sol.dkdc[..., None] * Dg[:, :, None, :] + np.einsum("niab,njb->nija", cD, self.wv)
@@ -296,6 +294,18 @@ def add_pressure(C: Floats, pressure: Floats, slope: Floats) -> None:
 
 def _apply(M: Floats, v: Floats) -> Floats:
     return np.einsum("nab,nb->na", M, v)
+
+
+def _contract(M: Floats, T: Floats) -> Floats:
+    """M_ab T_bkl (n, 3, 3, 3)."""
+    return np.matmul(M, T.reshape(-1, 3, 9)).reshape(T.shape)
+
+
+def _with_current(j: Floats, dt: float, weight: Floats) -> Floats:
+    """dt (j_i + sum_k weight_k j_k) of changes j (n, m, ...) of the solutes' fluxes."""
+    if weight.any():
+        j = j + np.einsum("k,nk...->n...", weight, j)[:, None]
+    return dt * j
 
 
 def _volumetric(v: Floats) -> Floats:
