@@ -46,7 +46,7 @@ def concentration(solute: int) -> Field:
 
 class Layout:
     """Fields side by side. ``width``: columns in all; ``displacement``, ``concentrations``: columns of these, maybe
-    none."""
+    none; ``moves``: there is a displacement."""
 
     def __init__(self, fields: Iterable[Field]) -> None:
         self.fields = tuple(fields)
@@ -60,7 +60,9 @@ class Layout:
             self._columns |= {c: self.width + k for k, c in enumerate(f.components)}
             self.width += f.width
         self.concentrations = self.columns(*(f.name for f in self.fields if f.option == "ctol"))
-        self.displacement = self.columns(*([DISPLACEMENT.name] if DISPLACEMENT.name in self else []))
+        self.moves = DISPLACEMENT.name in self
+        self.displacement = self.columns(*([DISPLACEMENT.name] if self.moves else []))
+        self._u = self._slices.get(DISPLACEMENT.name, slice(0, 0))  # asked for at every turn
 
     @classmethod
     def of(cls, *parts: Iterable[Field]) -> Layout:
@@ -114,7 +116,7 @@ class Layout:
 
     def u(self, nodal: Floats) -> Floats:
         """The displacement's part of a nodal array (node, 3), or of forces on it; (node, 0) where there is none."""
-        return nodal[:, self._slices.get(DISPLACEMENT.name, slice(0, 0))]
+        return nodal[:, self._u]
 
     # ---- equations --------------------------------------------------------------------------------
     def equations(self, field: Field, column: Ints) -> Ints:

@@ -53,17 +53,17 @@ class State:
 
     def displacements(self, d: Floats) -> Floats:
         """The displacements (node, 3) of a nodal array, none where these are no unknowns."""
-        return self.layout.u(d) if len(self.layout.displacement) else np.zeros_like(self.X)
+        return self.layout.u(d) if self.layout.moves else np.zeros_like(self.X)
 
     @property
     def u(self) -> Floats:
         """Displacements (node, 3)."""
-        return self.displacements(self.d)
+        return self.layout.u(self.d) if self.layout.moves else np.zeros_like(self.X)
 
     @property
     def u_old(self) -> Floats:
         """Displacements (node, 3) at the last converged step."""
-        return self.displacements(self.d_old)
+        return self.layout.u(self.d_old) if self.layout.moves else np.zeros_like(self.X)
 
     @property
     def p(self) -> Floats | None:

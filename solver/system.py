@@ -286,7 +286,7 @@ class System:
         total = self._R[0]
         for R in self._R[1:]:
             total += R
-        if len(self.layout.displacement):
+        if self.layout.moves:
             s.reaction = -self.layout.u(total).copy()
         for load in self.loads:
             load.residual(s, total)

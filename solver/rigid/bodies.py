@@ -141,7 +141,8 @@ class Bodies:
 
     def _carry(self, s: State) -> None:
         Q = np.array([rotation.matrix(q) for q in s.extra["q"]])
-        centre, u = s.X[self._at] + s.u[self._at], s.u
+        u = s.u
+        centre = s.X[self._at] + u[self._at]
         u[self.nodes] = centre + np.einsum("nij,nj->ni", Q[self._body], self._arm) - s.X[self.nodes]
 
     def compose(self, eqs: Equations, total: Floats, a: Floats, b: Floats) -> Floats:

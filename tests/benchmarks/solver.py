@@ -75,7 +75,7 @@ def factor_memory(model: Path) -> None:
     problem, team = lower(febkit.read(model)), Team(2)
     state = State.at_rest(problem)
     state.dt = state.time = problem.steps[0].dt
-    groups = [Group(b, problem.X) for b in problem.blocks]
+    groups = [Group(b, problem.X, layout=state.layout) for b in problem.blocks]
     system = System(problem, problem.steps[0], groups, state, Schedule(groups, team))
     system.update()
     A, _ = system.tangent(np.zeros(system.eqs.n))
