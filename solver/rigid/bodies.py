@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fields import DISPLACEMENT
 from ..pattern import GIVEN
 from . import rotation
 from .body import RigidBody
@@ -40,7 +41,8 @@ class Bodies:
         self.bodies: list[RigidBody] = problem.bodies
         n, k = len(problem.X), len(self.bodies)
         self.rows = n + 2 * np.arange(k)
-        self.columns = state.layout.displacement  # of displacements in the first row of a body, rotations in the second
+        # of displacements in the first row of a body, rotations in the second
+        self.columns, self.span = state.layout.displacement, state.layout[DISPLACEMENT.name]
         self.parts = [p for b in self.bodies for p in b.parts]
         self.mass = np.array([b.mass for b in self.bodies])
         self.inertia = np.array([b.inertia for b in self.bodies])
@@ -118,7 +120,7 @@ class Bodies:
         """Rotate by the increment so far and then ``u`` (equations), or as prescribed; move the nodes along."""
         q, turned = s.extra["q"], s.u
         for i, r in enumerate(self.rows + 1):
-            given = eqs.kind[r, self.columns] == GIVEN
+            given = eqs.kind[r, self.span] == GIVEN
             if given.any():
                 turned[r] = np.where(given, turned[r], 0.0)
                 q[i] = rotation.of_vector(turned[r])
@@ -130,9 +132,9 @@ class Bodies:
                 turned[r] = rotation.vector(q[i])
         self._carry(s)
 
-    def _equations(self, eqs: Equations, row: np.integer) -> Ints:
+    def _equations(self, eqs: Equations, row: np.integer) -> NDArray[np.int32]:
         """Equations of a body's row (3,), -1 where it has none."""
-        return np.asarray(eqs.eq[row, self.columns])
+        return eqs.eq[row, self.span]
 
     def _turn(self, eqs: Equations, vector: Floats, row: np.integer) -> Floats | None:
         """Entries of an equation vector at a row of rotations; None where all are held."""
