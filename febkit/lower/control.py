@@ -146,7 +146,7 @@ def _curve(ctx: Context, leaf: Component, number: int, a: AutoStep, out: Step) -
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
-    o = NewtonOptions(method="Broyden" if ctx.model.module in ("solute", "multiphasic") else "BFGS")
+    o = NewtonOptions()  # BFGS in all modules: FEBio 4.11 names Broyden for mixtures, and takes BFGS all the same
     if c is None:
         return o
     ctx.check_tags(c, SOLVER)

@@ -19,6 +19,7 @@ from .text import number, written
 if TYPE_CHECKING:
     from .model import Model
 
+MIXTURES = ("solute", "multiphasic")  # whose matrices are unsymmetric: BFGS, FEBio's default, takes more iterations
 ANALYSES = ("STATIC", "STEADY-STATE", "TRANSIENT", "DYNAMIC")
 
 
@@ -119,6 +120,8 @@ def control(
         parts.append(_stepper(model, dtmax or dt, dtmin, must_points, retries, optimal))
     module = model.record.module
     own = Node.of(Component("solver", module), f"{module} solver")
+    if module in MIXTURES and "qn_method" not in (solver or {}):
+        own["qn_method"] = Component("qn_method", "Broyden")
     for k, v in (solver or {}).items():
         setattr(own, k, v)
     parts.append(own.component)

@@ -114,8 +114,10 @@ class MultiphasicWork(StandardWork):
     def begin_step(self, state: State) -> None:
         g = self.group
         _, pts = self._at(0, g.m, state)
-        if not self.started:
+        if not self.started:  # what the mixture is before its first step, by the parameters of that time
+            end, state.time = state.time, state.time - state.dt
             self._evaluate(0, g.m, state, None)
+            state.time = end
             self.started = True
         self.at.begin_step(pts)
 

@@ -394,6 +394,14 @@ def test_solutes_are_declared_once_and_named_afterwards(tmp_path: Path) -> None:
     assert (inside.sel(solute="Na+") > inside.sel(solute="Cl-") + 50).all()
 
 
+def test_mixtures_are_solved_by_broyden_s_updates_where_nothing_else_is_said() -> None:
+    m = charged()
+    assert m.control.solver.qn_method.type == "Broyden"
+    m.step(time=1.0, solver={"qn_method": mt.of("BFGS")})
+    assert m.steps[1].control.solver.qn_method.type == "BFGS"
+    assert "qn_method" not in plug().control.solver
+
+
 def test_every_solute_has_a_condition_of_its_own() -> None:
     """FEBio's zero concentration takes one solute."""
     m = charged()
