@@ -73,7 +73,11 @@ def statements(
     """
     cases = list(dict.fromkeys(p.case for p in agreed))
     for recovery in dict.fromkeys(m.recovery or default for m in methods if m.solid is not None):
-        named = {(m.solid, m.fluid): m.name for m in methods if (m.recovery or default) == recovery}
+        named = {
+            (m.solid, m.fluid): m.name
+            for m in methods
+            if (m.recovery or default) == recovery and m.solute in (None, m.fluid)
+        }
         for case in cases:
             yield from _errors(case, recovery, named, agreed)
             if case in "CD":

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from febkit.files import put
 from febkit.metrics import tables
-from febkit.metrics.agreement import compare_orders, spread
-from febkit.model import InputError
+from febkit.metrics.agreement import compare_orders, spread, usual
+from febkit.metrics.cells import METRICS
+from febkit.metrics.osmotic import split
+from febkit.model import InputError, Where
 from febkit.results import netcdf
 
-from . import gather, pattern
+from . import gather, ions, pattern
 from .plan import CONTROL, Place, Plan, which
 from .step import Step
 from .store import Store
@@ -65,7 +67,7 @@ def all_tables(plan: Plan, found: Metrics | None = None) -> Iterator[tables.Tabl
     agreed = gather.agreements(plan)
     if agreed:
         study = plan.study
-        yield from pattern_tables(plan, found, agreed)
+        yield from first_tables(plan, found, agreed)
         rows = [(f"{p.case} {p.method}{which(study, None, p.seed)}", ds) for p, ds in sorted(agreed.items())]
         yield tables.rms_table(rows, "RMS difference to the control (over the control's range)")
         for label, ds in rows:
@@ -74,12 +76,21 @@ def all_tables(plan: Plan, found: Metrics | None = None) -> Iterator[tables.Tabl
         if ranks:
             yield tables.rank_table(ranks)
     spreads = [
-        (f"{p.case} {p.method}{which(plan.study, p.point, p.seed)}", spread(ds))
+        (f"{p.case} {p.method}{which(plan.study, p.point, p.seed)}", spread(ds, ramp(plan)))
         for p, ds in found.items()
         if p.point < 20
     ]
     if spreads:
         yield tables.spread_table(spreads)
+
+
+def first_tables(plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None) -> Iterator[tables.Table]:
+    """The study's answer: of charged mixtures the errors of motion and ions, else the published study's pattern."""
+    agreed = gather.agreements(plan) if agreed is None else agreed
+    if not mixed(plan):
+        yield from pattern_tables(plan, found, agreed)
+    elif agreed:
+        yield ions.table(agreed)
 
 
 def pattern_tables(
@@ -105,7 +116,23 @@ def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
             a, b = found.get(p._replace(method=first)), found.get(p._replace(method=other))
             if a is not None and b is not None:
                 label = f"{p.case}{which(plan.study, None, p.seed)}: {first} / {other}"
-                yield label, compare_orders(found[p], a, b)
+                yield label, compare_orders(found[p], a, b, ramp(plan))
+
+
+def mixed(plan: Plan) -> bool:
+    """Do the study's models have solutes? The published one's have none."""
+    return str(plan.study.tissue.get("physics", "biphasic")) != "biphasic"
+
+
+def ramp(plan: Plan) -> float | None:
+    """End of the ramp, the "instantaneous" moment; None where the tissue is no template's: the published study's."""
+    from febkit.templates.template import load
+
+    tissue = {k: v for k, v in plan.study.tissue.items() if k != "results"}
+    if "file" in tissue:
+        return None
+    own = tissue.pop("template", None)
+    return float(load("tissue", Path(own) if own else None).values([(tissue, Where(str(plan.study.file)))])["ramp"])
 
 
 def _times(plan: Plan) -> tables.Table:
@@ -149,11 +176,13 @@ def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
     for case in plan.study.cases:
         for at in [p for p in found if p.case == case and (p.method == CONTROL or not plan.study.control)]:
             shown = {_label(p.method): ds for p, ds in found.items() if p == at._replace(method=p.method)}
-            yield _saved(plots.histories(shown, title=f"case {case}"), folder / f"histories_{case}.png")
+            yield _saved(plots.histories(shown, _six(shown), title=f"case {case}"), folder / f"histories_{case}.png")
+            held = [m for m in usual(split(next(iter(shown.values())))) if m not in METRICS]
+            if held:
+                yield _saved(plots.histories(shown, held, title=f"case {case}"), folder / f"osmotic_{case}.png")
             if any("mass_exchange_rate" in ds for ds in shown.values()):
-                yield _saved(
-                    plots.early_exchange(shown, title=f"case {case}"), folder / f"exchange_{case}.png"
-                )
+                early = plots.early_exchange(shown, 10 * (ramp(plan) or 0.1), title=f"case {case}")
+                yield _saved(early, folder / f"exchange_{case}.png")
             for method in plan.study.methods:
                 own, control = (found.get(at._replace(method=m)) for m in (method.name, CONTROL))
                 if control is not None and own is not None:
@@ -175,6 +204,12 @@ def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
     if agreed:
         yield _saved(plots.outside_counts(agreed), folder / "outside_limits.png")
         yield _saved(plots.errors(agreed), folder / "errors.png")
+
+
+def _six(shown: dict[str, xr.Dataset]) -> list[str]:
+    """Those of the study's metrics that the first result has."""
+    first = next(iter(shown.values()))
+    return [m for m in METRICS if m in first]
 
 
 def _section(plan: Plan, where: Place, time: float = 5.0) -> Any:

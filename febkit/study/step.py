@@ -16,8 +16,8 @@ VERSIONS: Mapping[str, int] = {
     "solve": 1,
     "series": 2,
     "drive": 2,
-    "measure": 1,
-    "compare": 2,
+    "measure": 2,
+    "compare": 3,
 }
 
 
