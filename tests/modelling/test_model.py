@@ -367,7 +367,8 @@ def charged() -> febkit.Model:
         phi0=0.2, solid=mt.NeoHookean(E=0.5, v=0.1), permeability=mt.PermConstIso(perm=1e-3),
         osmotic_coefficient=mt.OsmCoefConst(osmcoef=1.0), fixed_charge_density=-100.0, solute=ions,
         solid_bound=mt.SolidBound("CS", rho0=1e-5),
-        reaction=mt.ConcentrationIndependent(vP={"CS": 1, "Na+": 2}, forward_rate=mt.ConstantReactionRate(k=0.01)))
+        reaction=mt.ConcentrationIndependent(
+            vP={"CS": 1, "Na+": 2}, Vbar=0.0, override_vbar=True, forward_rate=mt.ConstantReactionRate(k=0.01)))
     m.fix("all", "x", "y", "z")
     m.initial(**{"Na+": 150.0, "Cl-": 150.0})
     m.prescribe(m.nodes(z="max"), p=-0.743, **{"Na+": 150.0, "Cl-": 150.0})

@@ -112,7 +112,7 @@ def test_uptake_from_a_bath_follows_the_series() -> None:
     z, k = np.linspace(0, 1, n + 1)[:, None], np.arange(60)
     q = (2 * k + 1) * np.pi / 2
     series = 10 * (1 - 2 * ((-1) ** k / q * np.exp(-q * q * D * t / L**2) * np.cos(q * z)).sum(axis=1))
-    assert np.abs(nodal(m, solved(m), "concentration 1") - series).max() < 0.03
+    assert np.abs(nodal(m, solved(m), "concentration 1") - series).max() < 0.02
 
 
 # ---- salts ----------------------------------------------------------------------------------------
