@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from febkit.modelling.model import read
     from febkit.results import open as open_results
     from febkit.solving import solve
+    from febkit.viewer import view
 
 # public name -> (module, name there); imported when first used, so that `import febkit` costs nothing
 _LAZY = {
@@ -29,11 +30,12 @@ _LAZY = {
     "write": ("febkit.feb", "write"),
     "solve": ("febkit.solving", "solve"),
     "open_results": ("febkit.results", "open"),
+    "view": ("febkit.viewer", "view"),
     "Model": ("febkit.modelling", "Model"),
     "Curve": ("febkit.modelling.curves", "Curve"),
 }
 
-__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "write"]
+__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "view", "write"]
 
 _watch_meshio()
 

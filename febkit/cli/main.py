@@ -21,6 +21,7 @@ VERBS = {
     "metrics": "Measure cells in a results file.",
     "compare": "Compare cell metrics of two models statistically.",
     "plot": "Draw figures of metrics and results.",
+    "view": "Look at results in the browser.",
     "study": "Plan, run and report a whole study.",
     "diff": "Compare two inputs or two results.",
 }

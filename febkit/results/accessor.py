@@ -178,6 +178,12 @@ class Results:
             raise InputError('grids of pyvista need it: pip install "febkit[scenes]"') from None
         return from_meshio(self.to_meshio(time, deformed=deformed))
 
+    def view(self, variable: str | None = None, **options: Any) -> Any:
+        """A viewer in the browser, or in a notebook's cell: see :func:`febkit.view` (needs febkit[viewer])."""
+        from febkit.viewer import view
+
+        return view(self._ds, variable, **options)
+
     def write_vtk(
         self, path: str | os.PathLike[str], *, variables: Sequence[str] | None = None, deformed: bool = False
     ) -> list[Path]:
