@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from .action import Action
 from .finite import whole
+from .following import Following
 from .group import Group
 from .kernels.pattern import scatter_any
 from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import FREE, HELD, Equations, Pattern
+from .pattern import FREE, GIVEN, HELD, Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
@@ -46,6 +47,9 @@ class System:
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
+        self.following = [c for c in self.conditions if isinstance(c, Following)]
+        for c in self.following:
+            c.begin(groups)
         self._link()
         self.ties = self._tie()
         self.contacts = [*problem.common.contacts, *step.contacts]
@@ -174,7 +178,9 @@ class System:
         """Values (node, column) that prescribed unknowns take at time t; NaN elsewhere."""
         out = np.full(self.state.d.shape, np.nan)
         for c, start in zip(self.conditions, self._start):
-            if isinstance(c, Prescribed):
+            if isinstance(c, Following):  # it stays until the first iterate
+                out[c.nodes, c.column] = self.state.d[c.nodes, c.column]
+            elif isinstance(c, Prescribed):
                 v = c.value(t, self.state.X[c.nodes], np.arange(len(c.nodes)))
                 out[c.nodes, c.column] = v if start is None else v + start
         out[self.eqs.kind != 2] = np.nan
@@ -194,11 +200,15 @@ class System:
         ``increment`` is that of the step so far, to which ``u`` is added (rotations of rigid bodies: composed).
         """
         s = self.state
+        given = self.eqs.kind == GIVEN
+        s.d[given] = target[given]
+        followed = [c.values(s) for c in self.following]
         self.spread(total + increment + u, s.d)
         self._keep_positive()
         self._drain()
-        given = self.eqs.kind == 2
-        s.d[given] = target[given]
+        for c, v in zip(self.following, followed, strict=True):
+            mine = self.eqs.kind[c.nodes, c.column] == GIVEN
+            s.d[c.nodes[mine], c.column] = v[mine]
         if self.bodies is not None:
             self.bodies.move(s, self.eqs, increment, u)
         if self.constraints is not None:

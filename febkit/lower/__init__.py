@@ -58,7 +58,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     if domains and not ctx.refused:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
     bodies = rigid.make(ctx)
-    ctx.numbers = {b.name: k for k, b in enumerate(blocks)}
+    ctx.numbers, ctx.made = {b.name: k for k, b in enumerate(blocks)}, blocks
     common = Step()
     _fill(ctx, common, model.common)
     if model.discrete:

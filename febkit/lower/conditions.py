@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from febkit.model import Component, InputError
-from febkit.model.sets import node_indices
+from febkit.model.sets import node_indices, surface
 from febkit.model.species import solutes
+from febkit.solver.following import ActualPressure, MatchingOsmotic
+from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import Fixed, Initial, Prescribed
 
 from . import deformations
-from .context import Context
+from .context import FACETS, Context
 
 # FEBio writes these with every condition; they mean nothing here
 META = frozenset({"name"})
@@ -102,7 +104,35 @@ def _prescribed_concentration(ctx: Context, c: Component) -> list[Fixed | Prescr
     return _prescribed(ctx, c, _concentration(ctx, c, c.need("dof")))
 
 
+def _following(ctx: Context, c: Component) -> tuple[np.ndarray, tuple[tuple[Patch, np.ndarray], ...]]:
+    """Nodes of a surface, and its facets with the elements behind them."""
+    from .contact import behind
+
+    if c.bool("shell_bottom"):
+        ctx.refuse(f'<shell_bottom> of <{c.tag} type="{c.type}">', c.need("shell_bottom").where)
+    conns = {k: v for k, v in surface(ctx.model.mesh, c.attrs.get("surface", ""), c.where).facets.items() if len(v)}
+    owners = behind(ctx, c, conns)
+    nodes = np.unique(np.concatenate([v.ravel() for v in conns.values()]))
+    return nodes, tuple(zip(patches(conns, ctx.X), (owners[k] for k in conns), strict=True))
+
+
+def _actual_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"pressure", "shell_bottom"})
+    value = ctx.value(c.child("pressure"), 0.0, FACETS + c.attrs.get("surface", ""))
+    nodes, facets = _following(ctx, c)
+    return [ActualPressure(ctx.column("p", c), nodes, value, surface=facets)]
+
+
+def _matching_osmotic(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"ambient_pressure", "ambient_osmolarity", "shell_bottom"})
+    p, o = (ctx.value(c.child(f"ambient_{n}"), 0.0) for n in ("pressure", "osmolarity"))
+    nodes, facets = _following(ctx, c)
+    return [MatchingOsmotic(ctx.column("p", c), nodes, p, osmolarity=o, surface=facets)]
+
+
 READERS = {
+    "actual fluid pressure": _actual_pressure,
+    "matching_osm_coef": _matching_osmotic,
     "zero displacement": _zero_displacement,
     "prescribed displacement": _prescribed_displacement,
     "zero shell displacement": _zero_shell,

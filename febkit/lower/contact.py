@@ -216,6 +216,19 @@ def _half_thickness(ctx: Context) -> np.ndarray:
 
 
 # ---- elements behind facets ---------------------------------------------------------------------------
+def behind(ctx: Context, c: Component, conns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Block and element (f, 2) behind each facet of a surface, by facet type. Raises InputError where there is none."""
+    from febkit.solver.contact.surface import Facets
+
+    out = Facets(conns)
+    _owners(ctx, out)
+    for kind, owner in out.owner.items():
+        if not ctx.refused and (owner < 0).any():
+            name, row = c.attrs.get("surface", ""), int(np.argmax((owner < 0).any(axis=1)))
+            raise InputError(f'{c.what}: no element is behind facet {row + 1} ({kind}) of "{name}"', c.where)
+    return out.owner
+
+
 def _owners(ctx: Context, out: Any) -> None:
     """Find the element behind each facet: a shell where there is one, else the first in the order of <MeshDomains>."""
     wanted: dict[tuple[str, tuple[int, ...]], list[int]] = {}

@@ -28,6 +28,7 @@ from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Va
 if TYPE_CHECKING:
     from febkit.model.math import Formula
     from febkit.solver.controllers import LoadCurve
+    from febkit.solver.problem import Block
 
     from .rigid import Body
 
@@ -68,6 +69,7 @@ class Context:
         self.rigid: dict[str, Body] = {}  # rigid bodies by the name of their material
         self.centres: list[np.ndarray] = []  # and their centres, by index
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
+        self.made: list[Block] = []  # and the blocks
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:

@@ -25,8 +25,9 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
     "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
     "fluidflux": (("flux",), (), ("linear", "mixture")),
     "soluteflux": (("flux",), (), ("linear",)),
+    "solute natural flux": ((), (), ("update",)),
 }
-OF_A_SOLUTE = ("soluteflux",)
+OF_A_SOLUTE = ("soluteflux", "solute natural flux")
 PROFILE = {"sinusoidal": 0, "parabolic": 1, "0": 0, "1": 1}
 FRAME = {"fixed": False, "moving": True, "0": False, "1": True}
 BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -102,11 +103,32 @@ def _surface(ctx: Context, c: Component, analysis: str) -> Any:
     if solute:
         leaf = c.need("solute_id")
         kw["solute"] = find(solutes(ctx.model), leaf.text.strip(), "solute", leaf.where).index + 1
+    if c.type == "solute natural flux":
+        kw["owner"] = _solute_owners(ctx, c, kw["solute"])
+        if c.bool("update") or c.bool("shell_bottom"):
+            tag = "update" if c.bool("update") else "shell_bottom"
+            ctx.refuse(f'<{tag}> of <surface_load type="{c.type}">', c.need(tag).where)
     if c.type == "fluidflux":
         kw["steady"] = analysis == STEADY
     fields = cls.__dataclass_fields__
     kw["shell_bottom"] = c.bool("shell_bottom")
     return cls(facets(ctx, c), **{k: v for k, v in kw.items() if k in fields})
+
+
+def _solute_owners(ctx: Context, c: Component, solute: int) -> tuple[np.ndarray, ...]:
+    """The elements behind the facets of a load, which must be solids that hold a solute."""
+    from .contact import behind
+
+    found = behind(ctx, c, dict(surface(ctx.model.mesh, c.attrs.get("surface", ""), c.where).facets))
+    if ctx.refused:
+        return ()
+    dof = f"c{solute}"
+    for owner in found.values():
+        for number in np.unique(owner[:, 0]).tolist():
+            b = ctx.made[number]
+            if not any(dof in f.components for f in b.physics.fields) or b.element.startswith("shell_"):
+                raise InputError(f'{c.what}: part "{b.name}" behind its surface is no solid with this solute', c.where)
+    return tuple(owner for owner in found.values() if len(owner))
 
 
 def _nodal(ctx: Context, c: Component, analysis: str) -> Any:

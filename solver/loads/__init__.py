@@ -14,6 +14,7 @@ TYPES = {
     "bearing load": "bearing",
     "normal_traction": "normal_traction",
     "fluidflux": "fluid_flux",
+    "solute natural flux": "solute_natural_flux",
     "soluteflux": "solute_flux",
     # nodal loads
     "nodal_load": "nodal",

@@ -122,6 +122,16 @@ class Work:
         """phi kappa_hat D (n, 6) of the solute of a nodal field at the first points of elements e; None: none there."""
         return None
 
+    def osmosis(self, e: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.int64]] | None:
+        """Means over elements e: R T Phi (k,) and partition coefficients (k, m), and the columns of the m
+        concentrations; None where nothing is dissolved."""
+        return None
+
+    def carried(self, e: NDArray[np.int64], field: str) -> tuple[Floats, Floats, Floats]:
+        """Means over elements e: fluid flux (k, 3), actual concentration (k,) of the solute of a nodal field, and the
+        latter's derivatives by the field at the nodes (k, n), partition coefficients held."""
+        raise NotImplementedError
+
     def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats | None:
         """Tangent (n, 6, 6) of a mixture with solutes at the first points of elements e; None where it is none."""
         return None

@@ -149,6 +149,17 @@ class MultiphasicWork(StandardWork):
         self.mix.solutes[i].diffusivity.diffusivity(pts, sol, i, D, None)
         return D * ((1.0 - phi0) * self.mix.solutes[i].solubility.solubility(pts, sol, i))[:, None]
 
+    def osmosis(self, e: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.int64]]:
+        sol, mix = self.at.solution(slice(None)), self.mix
+        phi = np.broadcast_to(mix.osmotic_coefficient.coefficient(self.group.points(), sol), len(sol.c))
+        means = mix.RT * self._points(phi)[e].mean(axis=1), self._points(self.at.kappa)[e].mean(axis=1)
+        return *means, self.scalars[1:]
+
+    def carried(self, e: NDArray[np.int64], field: str) -> tuple[Floats, Floats, Floats]:
+        i = [concentration(s.index + 1).name for s in self.mix.solutes].index(field)
+        w, ca, kappa = (self._points(q)[e] for q in (self.at.w, self.at.ca[:, i], self.at.kappa[:, i]))
+        return w.mean(axis=1), ca.mean(axis=1), kappa @ self.group.N / self.group.g
+
     def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats:
         g, q = self.group, e * self.group.g
         if not self.started:
