@@ -44,5 +44,15 @@ def test_donnan_swelling() -> None:
     assert found == pytest.approx(PINNED_SWELLING, rel=1e-5) and found == pytest.approx(expected, rel=1e-4)
 
 
+def test_the_model_of_the_page_on_mixtures_is_that_of_the_example() -> None:
+    """The page's block of Python, run as it stands."""
+    page = (FOLDER.parent / "docs" / "mixtures.md").read_text()
+    there: dict[str, Any] = {}
+    exec(page.split("```python\n")[1].split("```")[0], there)
+    assert there["result"].converged
+    swelling = (1 + there["result"].state.u.max(axis=0)).prod()
+    assert swelling == pytest.approx(PINNED_SWELLING, rel=1e-4)
+
+
 PINNED_SHARE = 0.37553
 PINNED_SWELLING = 1.48612

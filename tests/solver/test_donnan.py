@@ -143,6 +143,19 @@ def test_manning_s_condensation(ksi: float) -> None:
     assert phi < 0.95  # far from ideal
 
 
+def test_a_triphasic_material_is_a_multiphasic_one_of_two_ions() -> None:
+    m = held(SALT, -200.0)
+    other = m.copy()
+    given = m.materials["tissue"]
+    other.materials["tissue"] = mt.Triphasic(
+        phi0=PHI0, fixed_charge_density=-200.0, solid=given.solid, permeability=given.permeability,
+        osmotic_coefficient=given.osmotic_coefficient, solute=given.all("solute"))  # fmt: skip
+    one, two = solved(m), solved(other)
+    for name in ("fluid_pressure", "solute_concentration", "electric_potential"):
+        assert np.array_equal(field(one, name), field(two, name))
+    assert field(two, "fluid_pressure")[0] == pytest.approx(donnan_pressure(-200.0, 150.0), rel=SINGLE)
+
+
 # ---- a block that moves ---------------------------------------------------------------------------
 
 

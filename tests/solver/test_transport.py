@@ -115,6 +115,28 @@ def test_uptake_from_a_bath_follows_the_series() -> None:
     assert np.abs(nodal(m, solved(m), "concentration 1") - series).max() < 0.02
 
 
+def test_a_solute_made_at_a_constant_rate_in_a_biphasic_solute_material() -> None:
+    """c = c* + s (L^2 - z^2) / (2 phi D) at rest, s moles per volume and time: exact at the nodes."""
+    made, D, n = 0.02, 0.67e-3, 6
+    m = febkit.Model("solute", units="mm-N-s")
+    m.set_constants(R=RT / 298.0, T=298.0)
+    m.solute("Glc")
+    m.add_block("tissue", (L / n, L / n, L), (1, 1, n))
+    glucose = mt.Solute("Glc", diffusivity=mt.DiffConstIso(free_diff=D, diff=D), solubility=mt.SolubConst(solub=1.0),
+                        supply=mt.SupplyConst(supp=made))  # fmt: skip
+    m.materials["tissue"] = mt.BiphasicSolute(
+        phi0=PHI0, solid=mt.NeoHookean(E=0.5, v=0.1), permeability=mt.PermConstIso(perm=PERM),
+        osmotic_coefficient=mt.OsmCoefConst(osmcoef=1.0), solute=glucose)  # fmt: skip
+    m.fix("all", "x", "y", "z")
+    start(m, {"Glc": 5.0})
+    bathe(m, m.nodes(z="max"), {"Glc": 5.0})
+    m.step(analysis="STEADY-STATE", time=1.0, dt=1.0, fixed=True, solver=TIGHT)
+    z = L * np.linspace(0, 1, n + 1)
+    c = nodal(m, solved(m), "concentration 1")
+    assert np.allclose(c, 5.0 + made * (L * L - z * z) / (2 * POROSITY * D), rtol=1e-8)
+    assert c[0] > 9.0
+
+
 # ---- salts ----------------------------------------------------------------------------------------
 
 
