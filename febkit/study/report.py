@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Metrics = dict[Place, "xr.Dataset"]
+RANKED = 3  # cells from which on ranks say something
 
 
 def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Path]:
@@ -114,7 +115,7 @@ def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
     for p in [p for p in found if p.method == CONTROL]:
         for other in others:
             a, b = found.get(p._replace(method=first)), found.get(p._replace(method=other))
-            if a is not None and b is not None:
+            if a is not None and b is not None and min(a.sizes["cell"], b.sizes["cell"]) >= RANKED:
                 label = f"{p.case}{which(plan.study, None, p.seed)}: {first} / {other}"
                 yield label, compare_orders(found[p], a, b, ramp(plan))
 

@@ -44,3 +44,11 @@ def test_errors_stand_by_case_and_method():
     by = {r[0]: r[1:] for r in table.rows}
     assert by["largest"] == pytest.approx([0.4, 0.1, 0.2], rel=0.3)
     assert by["effective strain"][1] == agreed[Place("B", "2")].nrms.sel(metric="effective_strain").item()
+
+
+def test_one_cell_has_no_ranks():
+    plan = study.make_plan(study.read(EXAMPLES / "study_reduced.toml"))
+    many = {Place("B", m): control() for m in ("control", "1", "2")}
+    one = {p: ds.isel(cell=[0]) for p, ds in many.items()}
+    assert [label for label, _ in report._ranks(plan, many)] == ["B: 1 / 2"]
+    assert list(report._ranks(plan, one)) == []
