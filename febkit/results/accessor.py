@@ -180,9 +180,9 @@ class Results:
 
     def view(self, variable: str | None = None, **options: Any) -> Any:
         """A viewer in the browser, or in a notebook's cell: see :func:`febkit.view` (needs febkit[viewer])."""
-        from febkit.viewer import view
+        from importlib import import_module  # by name: the viewer stands above results, as febkit's lazy names do
 
-        return view(self._ds, variable, **options)
+        return import_module("febkit.viewer").view(self._ds, variable, **options)
 
     def write_vtk(
         self, path: str | os.PathLike[str], *, variables: Sequence[str] | None = None, deformed: bool = False
