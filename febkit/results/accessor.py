@@ -180,8 +180,9 @@ class Results:
 
     def view(self, variable: str | None = None, **options: Any) -> Any:
         """A viewer in the browser, or in a notebook's cell: see :func:`febkit.view` (needs febkit[viewer])."""
-        from importlib import import_module  # by name: the viewer stands above results, as febkit's lazy names do
+        from importlib import import_module
 
+        # by name, as febkit's lazy names are: the viewer stands above results
         return import_module("febkit.viewer").view(self._ds, variable, **options)
 
     def write_vtk(

@@ -114,8 +114,8 @@ def click(browser, selector):
 def test_time_cuts_parts_and_picking_in_a_browser(browser, tmp_path):
     from selenium.webdriver import ActionChains, Keys
 
-    write(result(), tmp_path / "run.xplt")  # the accessor is registered by those who open results
-    view = febkit.open_results(tmp_path / "run.xplt").febkit.view("pressure")
+    write(result().rename(pressure="effective_fluid_pressure"), tmp_path / "run.xplt")
+    view = febkit.open_results(tmp_path / "run.xplt").febkit.view("effective fluid pressure")
     try:
         assert "127.0.0.1" in view.url and "<iframe" in view._repr_html_()
         end = opened(browser, view)
@@ -130,7 +130,7 @@ def test_time_cuts_parts_and_picking_in_a_browser(browser, tmp_path):
         said = until(lambda: text(browser, "picked"), "what was picked")
         node = int(said.split()[1])
         z = float(result()["X"].values[node - 1, 2])
-        assert said.startswith(f"node {node} (element ") and said.endswith(f"pressure = {10 * z:g} MPa"), said
+        assert said.startswith(f"node {node} (element ") and said.endswith(f"effective fluid pressure = {10 * z:g} MPa"), said
 
         cut = drawn_after(browser, lambda: click(browser, "#cut-x"))
         assert changed(cut, end) > 2000
