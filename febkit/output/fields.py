@@ -180,9 +180,10 @@ def concentrations(run: Run, g: Group, nodes: NDArray[np.integer]) -> Floats | N
     return out
 
 
-def known(name: str) -> bool:
+def known(name: str, solutes: bool) -> bool:
+    """Is it a variable of some part of a model, with or without solutes? Physics that cannot be there are not loaded."""
     if name == SOLUTES:
         return True
     if any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE)):
         return True
-    return any(name in physics.load(p).work.outputs for p in physics.FILES)
+    return any(name in physics.load(p).work.outputs for p in physics.FILES if solutes or p != "multiphasic")

@@ -65,8 +65,9 @@ class PlotListener(Listener):
         self.model = model
         self.names: list[str] = []
         variables: list[PlotVariable] = []
+        mixture = bool(solutes(model))
         for v in model.output.plot:
-            if not fields.known(v.type) or v.type not in VARIABLES or v.surface:
+            if not fields.known(v.type, mixture) or v.type not in VARIABLES or v.surface:
                 warn(f'plot variable "{v.type}" is not computed by febkit and is left out')
             elif v.type not in self.names:
                 self.names.append(v.type)
