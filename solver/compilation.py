@@ -32,9 +32,9 @@ def paused() -> Iterator[None]:
         yield
     finally:
         with _LOCK:
-            _paused -= 1
-            if _paused == 0:
+            if _paused == 1:
                 _seconds += perf_counter() - _since
+            _paused -= 1
 
 
 @contextmanager
@@ -62,6 +62,8 @@ def count() -> int:
 
 def seconds() -> float:
     """Seconds for which the clock has stood still so far."""
+    if not _paused:
+        return _seconds
     with _LOCK:
         return _seconds + (perf_counter() - _since if _paused else 0.0)
 

@@ -50,7 +50,8 @@ class Convergence:
     def __init__(self, system: System, options: NewtonOptions) -> None:
         self.system, self.options = system, options
         self.least = options.min_residual
-        self.fields = [(f, system.layout.equations(f, system.eqs.column)) for f in system.layout.fields]
+        parts = [(f, system.layout.equations(f, system.eqs.column)) for f in system.layout.fields]
+        self.fields = [(f, slice(None) if len(own) == system.eqs.n else own) for f, own in parts]
         # FEBio's norms of mixtures count a rigid body's displacement once for each node it carries, its rotation never
         self.weight: Floats | None = None
         if len(self.fields) > 1 and system.bodies is not None:
@@ -96,7 +97,7 @@ class Convergence:
         ok = ok and not (self.system.contacts and r1 > self.residual and not U.any())
         return report, ok
 
-    def _square(self, u: Floats, own: NDArray[np.int64]) -> float:
+    def _square(self, u: Floats, own: NDArray[np.int64] | slice) -> float:
         """Squared norm of a field's equations ``own``."""
         part = u[own] if self.weight is None else u[own] * self.weight[own]
         return dot(part, part)

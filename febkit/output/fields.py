@@ -181,7 +181,7 @@ def concentrations(run: Run, g: Group, nodes: NDArray[np.integer]) -> Floats | N
 
 
 def known(name: str, solutes: bool) -> bool:
-    """Is it a variable of some part of a model, with or without solutes? Physics that cannot be there are not loaded."""
+    """A variable of some part of a model, with or without solutes? Physics that cannot be there are not loaded."""
     if name == SOLUTES:
         return True
     if any(name in t for t in (NODAL, DOMAIN, DOMAIN_NODAL, INTERPOLATED, SURFACE)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
+from time import perf_counter
 
 from febkit._version import __version__
 from febkit.files import Output
@@ -10,6 +11,8 @@ from febkit.model import Model
 from febkit.solver.newton import Counts, Iteration
 from febkit.solver.result import Result
 from febkit.solver.run import Listener, Run
+
+OFTEN = 0.1  # s between writes within a time step
 
 
 class LogListener(Listener):
@@ -24,11 +27,18 @@ class LogListener(Listener):
         self.output = Output(path)
         self._text = [f"febkit {__version__}\n\n"]
         self._began = self._ended = False
+        self._flushed = perf_counter()
 
     def write(self, text: str) -> None:
         self._text.append(text)
 
+    def _flush_in_time(self) -> None:
+        """Who follows the log is not kept waiting; short iterations share one write."""
+        if perf_counter() - self._flushed > OFTEN:
+            self._flush()
+
     def _flush(self) -> None:
+        self._flushed = perf_counter()
         text, self._text = "".join(self._text), []
         self.output.write(text.encode(errors="surrogateescape"))
 
@@ -63,7 +73,7 @@ class LogListener(Listener):
 
     def begin_step(self, run: Run, number: int, time: float) -> None:
         self.write(f"\n===== beginning time step {number} : {time:.8g} =====\n")
-        self._flush()
+        self._flush_in_time()
 
     def iteration(self, run: Run, it: Iteration) -> None:
         w = self.write
@@ -75,7 +85,7 @@ class LogListener(Listener):
         w("\tconvergence norms :     INITIAL         CURRENT         REQUIRED\n")
         for name, n in it.norms.items():
             w(f"\t   {name:<17s}{n.initial:15e} {n.now:15e} {n.required:15e} \n")
-        self._flush()
+        self._flush_in_time()
 
     def converged(self, run: Run, counts: Counts) -> None:
         self.write(
