@@ -317,4 +317,12 @@ def test_the_page_has_the_table() -> None:
 def test_every_verb_is_in_the_table() -> None:
     from febkit.cli.main import VERBS
 
-    assert set(outputs.VERBS) == set(VERBS)
+    assert set(outputs.VERBS) | {"view"} == set(VERBS)  # it serves a page until Ctrl-C: tests/plots/test_viewer.py
+
+
+@pytest.mark.parametrize("content", [None, b"no plotfile"])
+def test_view_names_what_it_cannot_read(content: bytes | None, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / "junk.xplt").write_bytes(content)
+    done = subprocess.run([FEBKIT, "view", "--no-browser", "junk.xplt"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "junk.xplt" in done.stderr
