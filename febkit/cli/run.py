@@ -70,6 +70,8 @@ def command(
     feature that febkit does not solve; 130: interrupted.
     """
     path = _model(model, input_)
+    if log is not None and log.suffix.lower() in (".xplt", *VTK):
+        raise exits.Refused(f"{log}: -o names the log; a plotfile is named by -p {log}")
     plot_path, log_path = _plotfile(plot, path), log or path.with_suffix(".log")
     # numpy's BLAS multiplies small matrices only, on threads that are the solver's own
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

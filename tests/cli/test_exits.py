@@ -80,6 +80,7 @@ CASES = [
     ("run bad.feb", 2, 'no material "bone"'),
     ("run refused.feb", 2, "no such solid"),
     ("run plot.feb", 2, "plot.feb"),
+    ("run plug.feb -o out/r.xplt", 2, "-o names the log; a plotfile is named by -p out/r.xplt"),
     ("run plug.feb --threads -3", 2, "-3 is not in the range"),
     ("run plug.feb --linear mumps", 2, "mumps"),
     ("run plug.feb --accuracy 2", 2, "2"),
