@@ -1,6 +1,8 @@
 """For all tests: what pytest is told, and how they share processors."""
 
 import os
+import signal
+import threading
 
 import pytest
 
@@ -10,6 +12,13 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     # each worker has a processor of its own: MKL's threads would wait for each other, at work
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+
+if threading.current_thread() is threading.main_thread():
+    # tests started in the background of a shell or by nohup: what these have processes ignore, the commands under test
+    # would ignore too; a handler, unlike an ignored signal, does not pass to them
+    for number in (signal.SIGINT, getattr(signal, "SIGHUP", signal.SIGINT)):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, lambda *_: None)
 
 
 @pytest.hookimpl(optionalhook=True)  # where pytest-xdist is not installed
