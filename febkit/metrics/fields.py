@@ -56,13 +56,17 @@ class Sweep:
             u = self.sources.displacement(t)
             yield t, [g.at(u, self.gradients) for g in self.groups]
 
-    def scalars(self, k: int, group: Group, state: State, t: int) -> dict[str, Floats]:
-        """Element values (e,) of :data:`SCALARS`; stress left out where there is no source."""
-        E = tensors.green_lagrange(state.F)
-        out = {
-            "effective_strain": group.mean(tensors.effective(E)),
-            "max_shear_strain": group.mean(tensors.max_difference(E)),
-        }
+    def scalars(
+        self, k: int, group: Group, state: State, t: int, wanted: Sequence[str] = SCALARS
+    ) -> dict[str, Floats]:
+        """Element values (e,) of those of :data:`SCALARS` that are wanted; stress left out where there is no source."""
+        out: dict[str, Floats] = {}
+        strains = {"effective_strain": tensors.effective, "max_shear_strain": tensors.max_difference}
+        if any(n in wanted for n in strains):
+            E = tensors.green_lagrange(state.F)
+            out = {n: group.mean(scalar(E)) for n, scalar in strains.items() if n in wanted}
+        if "effective_stress" not in wanted:
+            return out
         if k not in self._stress:
             self._stress[k] = self.sources.effective_stress(group)
         law = self._stress[k]
@@ -93,8 +97,9 @@ def element_fields(
     stress = [sources.mean_stress(g) if "principal_stress" in names else None for g in groups]
     for t, states in sweep:
         for k, (g, s) in enumerate(zip(groups, states)):
-            values = sweep.scalars(k, g, s, t)
-            values["volume"] = s.volume
+            values = sweep.scalars(k, g, s, t, names)
+            if "volume" in names:
+                values["volume"] = s.volume
             if "principal_strain" in names:
                 values["principal_strain"] = tensors.principal(g.mean(tensors.green_lagrange(s.F)))
             for name, law in (("fluid_flux", flux[k]), ("principal_stress", stress[k])):
@@ -102,7 +107,7 @@ def element_fields(
                     values[name] = law(s, t)
             if "principal_stress" in values:
                 values["principal_stress"] = tensors.principal(values["principal_stress"])
-            store.put(t, g.rows, {n: v for n, v in values.items() if n in names})
+            store.put(t, g.rows, values)
     return _dataset(ds, store, sources, Scale(unit_system(ds, model)))
 
 

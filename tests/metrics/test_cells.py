@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from febkit.metrics import METRICS, cell_metrics, element_fields
+from febkit.metrics import METRICS, cell_metrics, element_fields, tensors
+from febkit.metrics.sources import Sources
 from febkit.metrics.tensors import effective, max_difference, principal
 from febkit.model import Component, Domain, InputError, Mesh, Model
 
@@ -144,6 +145,15 @@ def test_linear_pressure_gives_darcy_flux_in_the_deformed_configuration(one, mak
     ds = make(X, [(kind, "cell", conn)], lambda X, t: X @ F.T, pressure=lambda X, t: X @ F.T @ g)
     f = element_fields(ds, "cell", model(["cell"], k=0.002), names=["fluid_flux"])
     assert np.allclose(f.fluid_flux, -0.002 * g, rtol=1e-9)
+
+
+def test_a_field_costs_nothing_of_the_others(one, make, monkeypatch):
+    X, conn = one("hex8")
+    ds = make(X, [("hex8", "cell", conn)], lambda X, t: X @ STRETCH.T, pressure=lambda X, t: X[:, 0])
+    for module, name in ((Sources, "effective_stress"), (tensors, "effective"), (tensors, "max_difference")):
+        monkeypatch.setattr(module, name, lambda *_, n=name: pytest.fail(f"{n} was not asked for"))
+    assert list(element_fields(ds, "*", model(["cell"]), ["fluid_flux"])) == ["fluid_flux"]
+    assert list(element_fields(ds, "*", model(["cell"]), ["volume"])) == ["volume"]
 
 
 def test_cells_in_one_part_are_told_apart(mesh, make):
