@@ -16,7 +16,7 @@ from febkit.model import InputError
 from . import canvas
 from .camera import Camera
 from .quantity import clock
-from .render import Shot, _page, limits_of, seen, shot
+from .render import _page, limits_of, seen, shot
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,11 +54,11 @@ def movie(
         _ffmpeg()
     s = shot(ds, variable, **shown)
     states = _states(ds, times)
-    ends, view = _common(s, states, limits, Camera.of(camera, s.plane.axis if s.plane else None, zoom))
+    made = [s.at(t) for t in states]
+    ends, view = _common(made, limits, Camera.of(camera, s.plane.axis if s.plane else None, zoom))
 
     def frames() -> Iterator[Pixels]:
-        for k, t in enumerate(states):
-            shell, face = s.at(t)
+        for k, (t, (shell, face)) in enumerate(zip(states, made)):
             with canvas.style():
                 words = "\n".join(w for w in (title, clock(ds, t)) if w)
                 figure = _page(s, shell, face, ends, view, size, words)
@@ -83,20 +83,18 @@ def _states(ds: xr.Dataset, times: Sequence[float] | None) -> list[int]:
 
 
 def _common(
-    s: Shot, states: Sequence[int], limits: tuple[float, float] | None, camera: Camera
+    made: Sequence[tuple[Any, Any]], limits: tuple[float, float] | None, camera: Camera
 ) -> tuple[tuple[float, float], Camera]:
     """Ends of the colours, and the camera that has all states in view."""
-    values, bodies = [], []
-    for t in states:
-        shell, face = s.at(t)
-        bodies.append(shell)
+    values = []
+    for shell, face in made:
         v = seen(shell, face)
         v = v[np.isfinite(v)]
         if len(v):
             values.append(np.quantile(v, np.linspace(0, 1, 101)))
     if not values:
         raise InputError("the variable has no value on what is shown")
-    return limits or limits_of(np.concatenate(values)), camera.onto(*bodies)
+    return limits or limits_of(np.concatenate(values)), camera.onto(*(shell for shell, _ in made))
 
 
 def _gif(path: Path, frames: Iterator[Pixels], fps: float) -> None:

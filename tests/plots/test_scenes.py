@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from click.testing import CliRunner
 
 from febkit.cli.plot import command
 from febkit.model import InputError
-from febkit.plots import movie, render, save
+from febkit.plots import animation, canvas, movie, render, save
 from febkit.plots import scene as figure
 
 from .test_figures import block
@@ -143,6 +144,19 @@ def test_movies_hold_a_picture_for_each_state(pv, tmp_path):
     assert (np.abs(first - last).max(axis=-1) > 60).mean() > 0.05
     with pytest.raises(InputError, match="ends in"):
         movie(sheared(), tmp_path / "m.avi", "pressure")
+
+
+class Shell(dict):
+    points = np.eye(3)
+
+
+def test_a_movie_builds_each_state_once(tmp_path, monkeypatch):
+    built = []
+    shot = SimpleNamespace(plane=None, at=lambda t: built.append(t) or (Shell(colour=[0.0, 1.0]), None))
+    monkeypatch.setattr(animation, "shot", lambda *_, **__: shot)
+    monkeypatch.setattr(animation, "_page", lambda *_: canvas.blank(1, 1))
+    movie(sheared(), tmp_path / "m.gif", "pressure")
+    assert built == [0, 1] and (tmp_path / "m.gif").stat().st_size > 0
 
 
 def test_an_mp4_can_be_read_again(pv, tmp_path):
