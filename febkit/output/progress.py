@@ -40,13 +40,15 @@ class ProgressListener(Listener):
         if self._opened:
             return
         self._opened = True
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
         self._said = time.monotonic()  # a run of seconds says nothing on its way
         self._total = sum(
             s.duration if s.duration is not None else s.dt * s.count for s in run.problem.steps
         )
+        if not sys.stderr.isatty():
+            return
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
         console = Console(stderr=True)
         if not console.is_terminal:
             return

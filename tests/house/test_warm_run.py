@@ -16,7 +16,7 @@ BENCHMARK = Path(__file__).parents[1] / "benchmarks" / "startup.py"
 PROGRAM = """
 import sys
 from febkit.cli.main import cli
-cli.main(["run", {model!r}, "-silent"], standalone_mode=False)
+cli.main(["run", {model!r}, *{options!r}], standalone_mode=False)
 print(*sorted(m for m in sys.modules if "." not in m), *sorted({watched} & set(sys.modules)))
 print("libmkl" in open("/proc/self/maps").read())
 """
@@ -39,13 +39,14 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.skipif(not native.available(), reason="kernels run through numba here")
-def test_a_warm_run_imports_nothing_heavy(model: Path) -> None:
-    program = PROGRAM.format(model=str(model), watched=UNWANTED)
+@pytest.mark.parametrize("options", [["-silent"], []], ids=["silent", "piped"])
+def test_a_warm_run_imports_nothing_heavy(model: Path, options: list[str]) -> None:
+    program = PROGRAM.format(model=str(model), watched=UNWANTED, options=options)
     environment = {k: v for k, v in os.environ.items() if k not in ("NUMBA_DISABLE_JIT", "FEBKIT_NATIVE")}
     for _ in range(2):  # the first may compile
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment)
         assert done.returncode == 0, done.stderr
-    imported, mkl = done.stdout.splitlines()
+    imported, mkl = done.stdout.splitlines()[-2:]
     assert UNWANTED & set(imported.split()) == set()
     assert mkl == "False"
     assert model.with_suffix(".xplt").stat().st_size > 0
