@@ -34,12 +34,13 @@ Row = tuple[str, int, float, float, float]  # route, steps, seconds, error of u 
 
 def confined() -> list[Row]:
     """Meshes of 10, 20 and 40 elements; equal steps and steps of their own size."""
-    import test_analytic as exact
-
     from febkit.solver.options import Options
     from febkit.solver.problem import AutoStep
     from febkit.solver.run import run
     from helpers import scenes
+    from helpers.files import load
+
+    exact = load(HERE.parents[1] / "solver" / "test_analytic.py")
 
     def solve(n: int, steps: int, accuracy: float) -> Row:
         top = -1e-6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -11,10 +12,10 @@ from house import supported
 
 ROOT = Path(__file__).parents[2]
 
-TABLES = {
-    "solids": "solver/solids", "permeabilities": "solver/permeabilities", "supplies": "solver/supplies",
-    "loads": "solver/loads",
-}  # fmt: skip
+KINDS = (
+    "solids", "permeabilities", "supplies", "diffusivities", "solubilities", "osmotic_coefficients", "solute_supplies",
+    "reactions", "reaction_rates", "loads",
+)  # fmt: skip
 
 
 def test_files_named_in_contributing_exist() -> None:
@@ -25,20 +26,18 @@ def test_files_named_in_contributing_exist() -> None:
     assert [p for p in named if not any((home / p).exists() for home in homes)] == []
 
 
-@pytest.mark.parametrize("folder", TABLES.values(), ids=TABLES)
+@pytest.mark.parametrize("folder", KINDS)
 def test_every_type_is_registered_at_the_foot_of_its_file(folder: str) -> None:
     """'Write the file, end it with register, enter it in the table' is all it takes."""
-    from febkit.solver import loads, permeabilities, supplies
     from febkit.solver.solids.registry import tables
 
-    if folder.endswith("solids"):
+    if folder == "solids":
         entries = {kind: at.split(":")[0] for kind, at in tables()["solid"].items()}
     else:
-        module = {"loads": loads, "permeabilities": permeabilities, "supplies": supplies}[folder.rpartition("/")[2]]
-        entries = dict(module.TYPES)
+        entries = dict(import_module(f"febkit.solver.{folder}").TYPES)
     assert entries
     for kind, name in entries.items():
-        source = (ROOT / folder / f"{name}.py").read_text()
+        source = (ROOT / "solver" / folder / f"{name}.py").read_text()
         assert re.search(r"register\(", source.rstrip().rsplit("\n\n", 1)[-1]), f"{kind}: {name}.py"
 
 

@@ -34,7 +34,7 @@ def plug() -> febkit.Model:
 
 def test_a_plug_is_built_solved_and_written(tmp_path: Path) -> None:
     m = plug()
-    assert m.validate() == [] or all(f.severity in ("hint", "warning") for f in m.validate())
+    assert m.validate() == []
     result = m.solve()
     assert result.converged
     top = m.node_sets["top"]
@@ -169,7 +169,7 @@ def test_formulas_maps_and_curves_of_a_parameter() -> None:
     assert m.record.materials[0].need("solid").need("E").lc == solid["E"].curve is not None
     solid["E"].curve = None
     assert solid["E"].curve is None
-    assert solid.density == 1.0 or solid.density is None
+    assert solid.density is None
 
 
 def test_properties_that_come_several_times() -> None:
@@ -210,11 +210,9 @@ def test_cylinders_are_sound_and_fill_the_circle(n: tuple[int, int], sector: str
     assert J.min() > 0.05 * J.mean()
     assert len(np.unique(np.round(X, 9), axis=0)) == len(X)
     share = 1.0 if sector == "full" else 0.25
-    polygon = 2.0 * len(np.unique(np.round(X[np.hypot(*X.T[:2]) > 1.999, :2], 9), axis=0))
     assert (J @ e.weights).sum() < share * np.pi * 12.0
     if n[0] > 3:
         assert (J @ e.weights).sum() == pytest.approx(share * np.pi * 12.0, rel=0.05)
-    assert polygon > 0
 
 
 def test_biased_blocks_grow() -> None:

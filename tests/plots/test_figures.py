@@ -111,6 +111,9 @@ def test_sections_side_by_side(tmp_path):
     assert np.allclose(flux.axes[0].collections[0].get_array(), 1)
     with pytest.raises(InputError, match="scalar"):
         plots.sections({"a": (ds, None)}, field="volume:x", time=1.0)
+    of_all = plots.sections({"a": (ds, None)}, "fluid_flux", time=1.0, at=0.4)  # a vector without a component
+    assert of_all.axes[-1].get_ylabel().startswith("fluid flux, magnitude")
+    assert np.allclose(of_all.axes[0].collections[0].get_array(), 1)
     with pytest.raises(InputError, match=r"fluid_flux:x"):
         plots.sections({"a": (ds, None)}, field="fluid_flux:w", time=1.0)
 

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import os
 import resource
-import signal
 import struct
 import time
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,26 +27,11 @@ from febkit.results.xplt.objects import ObjectState, PlotObject, section, state
 from febkit.results.xplt.records import PlotVariable
 from febkit.results.xplt.writer import PlotWriter
 from helpers import mutate_plot
+from helpers.mutants import TooLong, watchdog
 
-COUNT = int(os.environ.get("FEBKIT_MUTATIONS", "60"))  # per kind of file
+COUNT = int(os.environ.get("FEBKIT_MUTATIONS", "100"))  # per kind of file
 SEED = int(os.environ.get("FEBKIT_SEED", "2024"))
 LONGEST = 5  # seconds
-
-
-@contextmanager
-def watched() -> Iterator[None]:
-    """Ends what hangs."""
-
-    def late(*_: object) -> None:
-        raise TimeoutError(f"took more than {LONGEST} s")
-
-    old = signal.signal(signal.SIGALRM, late)
-    signal.alarm(LONGEST)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, old)
 
 
 def exercise(path: Path, good: Path) -> str:
@@ -119,9 +102,9 @@ def test_damaged_files(tmp_path: Path, make_modern, random_plot, way: str, packe
             path.write_bytes(mutate_plot.raw(rng, _packed(raw, order, packed)))
         start = time.process_time()
         try:
-            with watched():
+            with watchdog(LONGEST):
                 seen[exercise(path, good)] += 1
-        except Exception:
+        except (Exception, TooLong):
             kept = Path(os.environ.get("FEBKIT_KEEP", str(tmp_path))) / f"bad_{way}_{packed}_{k}.xplt"
             kept.write_bytes(path.read_bytes())
             (kept.with_suffix(".txt")).write_text(traceback.format_exc())

@@ -327,9 +327,10 @@ def test_a_steady_state_reacts_by_the_porosity_squared() -> None:
     assert np.abs(consumed(16, k, "STEADY-STATE") - exact).max() > 1e-2
 
 
-def test_a_reversible_reaction_comes_to_equilibrium() -> None:
+def test_a_reversible_reaction_comes_to_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
     """A = B in a closed block: A + B is kept, B / A = kF / kR, (1 + (kF + kR) dt)^-n of the way left after n steps."""
-    CHARGES.update({"A": 0, "B": 0})
+    monkeypatch.setitem(CHARGES, "A", 0)
+    monkeypatch.setitem(CHARGES, "B", 0)
     m = block((1, 1, 1), (1, 1, 1), [solute("A", free=1e-3), solute("B", free=1e-3)])
     kF, kR, dt, steps = 0.03, 0.01, 5.0, 20
     m.materials["tissue"].add("reaction", mt.MassActionReversible(

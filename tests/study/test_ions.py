@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from febkit import study
 from febkit.metrics import METRICS, compare
 from febkit.model import Where
@@ -42,7 +40,7 @@ def test_errors_stand_by_case_and_method():
     table = ions.table(agreed)
     assert list(table.columns) == ["", "B 1", "B 2", "D 1"]
     by = {r[0]: r[1:] for r in table.rows}
-    assert by["largest"] == pytest.approx([0.4, 0.1, 0.2], rel=0.3)
+    assert by["largest"] == [float(agreed[p].nrms.max()) for p in agreed]
     assert by["effective strain"][1] == agreed[Place("B", "2")].nrms.sel(metric="effective_strain").item()
 
 
