@@ -39,19 +39,22 @@ def validate(path: str | PathLike[str], solvable: bool = False) -> list[Finding]
     return found
 
 
-def check(model: Model) -> list[Finding]:
-    """The same for a model in memory, the solver not asked."""
+def check(model: Model, files: bool = True) -> list[Finding]:
+    """The same for a model in memory, the solver not asked. ``files``: see that its data files can be written, too."""
     broken = list(check_mesh.indices(model))
     if broken:  # the other checks look up nodes
         return _sorted(broken)
     checks = (_document, check_features.check, check_references.check, check_ranges.check, check_steps.check,
-              check_mesh.check, _sense, _data_files)
+              check_mesh.check, _sense, *((_data_files,) if files else ()))  # fmt: skip
     return _sorted([f for ask in checks for f in ask(model)])
 
 
 def require(model: Model) -> list[str]:
-    """Raises InputError for what :func:`check` calls errors, what must not be solved; returns the warnings."""
-    found = check(model)
+    """Raises InputError for what :func:`check` calls errors, what must not be solved; returns the warnings.
+
+    Data files are left to the run, which knows where they go.
+    """
+    found = check(model, files=False)
     errors = [InputError(f.message, f.where) for f in found if f.severity == "error"]
     if errors:
         raise together(errors)

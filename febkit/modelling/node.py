@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
+
+import numpy as np
 
 from febkit.model import Component, InputError
 
 from . import schema
-from .text import Value, is_number, listed, parsed, written
+from .text import Value, is_number, is_numbers, listed, parsed, written
 
 Find = Callable[[], Component]
 Put = Callable[[Component], None]
@@ -188,6 +189,8 @@ class Node:
             return tag
         if not known:
             return name
+        from difflib import get_close_matches
+
         close = get_close_matches(name, known, 1, 0.6)
         hint = f"; did you mean {close[0]}?" if close else f"; there are {listed(sorted(known))}"
         raise AttributeError(f"a {self._where} has no parameter {name!r}{hint}")
@@ -222,10 +225,12 @@ class Node:
         return _leaf(tag, value, c.child(tag))
 
     def _checked(self, c: Component, tag: str, value: Any) -> None:
-        if is_number(value):
-            why = schema.out_of_range(c, tag, float(value))
-            if why:
-                raise InputError(f"{self._where}.{tag} = {value:g} {why}")
+        given = parsed(value) if isinstance(value, str) else value
+        if is_number(given) or is_numbers(given):
+            for v in map(float, np.ravel(given)):
+                must = schema.out_of_range(c, tag, v)
+                if must:
+                    raise InputError(f"{self._where}.{tag} must be {must}, not {v:g}")
         elif isinstance(value, str):
             choices = schema.choices(c, tag)
             if choices and value not in choices:

@@ -1,18 +1,19 @@
 """What FEBio knows about a component: its parameters, their defaults, ranges and choices.
 
-The names are those of :mod:`febkit.feb.features`; defaults and ranges come from the solver's own records, so that a new
-material appears by itself.
+The names are those of :mod:`febkit.feb.features`, ranges those of :mod:`febkit.model.ranges`; defaults come from the
+solver's own records, so that a new material appears by itself.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from keyword import iskeyword
+from math import isfinite
 from typing import Any
 
 from febkit.feb.check_features import KINDS, VALUES
 from febkit.feb.features import anywhere, table
-from febkit.model import Component
+from febkit.model import Component, ranges
 
 __all__ = ["VALUES", "attribute", "choices", "default", "is_numeric", "out_of_range", "parameters", "record", "tag"]
 
@@ -90,13 +91,12 @@ def is_numeric(c: Component, tag_: str) -> bool:
 
 
 def out_of_range(c: Component, tag_: str, value: float) -> str:
-    """Why FEBio refuses a value; empty where it takes it."""
-    if value != value or value in (float("inf"), float("-inf")):
-        return "is not a finite number"
-    cls = record(c)
-    ranges = getattr(cls, "ranges", None) if cls is not None else None
-    limit = ranges.get(_field(tag_)) if ranges else None
-    return "" if limit is None else limit.refuses(value)
+    """What a number must be where FEBio refuses it; empty where it takes it."""
+    if not isfinite(value):
+        return "a finite number"
+    kind = {"Control": "(control)", "solver": "(solver)"}.get(c.tag, c.type or c.tag)
+    limit = ranges.of(kind).get(tag_)
+    return "" if limit is None or limit.holds(value) else limit.said
 
 
 def choices(c: Component, tag_: str) -> tuple[str, ...]:

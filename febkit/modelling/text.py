@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from febkit.model.values import spells_number
+
 Value = float | int | bool | str | tuple[float, ...]
 
 
@@ -41,11 +43,10 @@ def written(v: Any) -> str:
 def parsed(text: str) -> Value:
     """What a parameter's text says: a number, a tuple of numbers, or the text itself."""
     words = text.replace(",", " ").split()
-    try:
-        values = tuple(float(w) for w in words)
-    except ValueError:
+    if not words or not all(map(spells_number, words)):
         return text.strip()
-    return text.strip() if not values else values[0] if len(values) == 1 else values
+    values = tuple(map(float, words))
+    return values[0] if len(values) == 1 else values
 
 
 def listed(names: Iterable[Any]) -> str:

@@ -58,8 +58,17 @@ def test_the_option_lets_them_out(tmp_path: Path, febkit, model) -> None:
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "m.feb").write_text(model(log='<node_data data="x" file="../x.txt"/>'))
     assert febkit("run", "run/m.feb").returncode == 2
-    assert febkit("run", "run/m.feb", "--data-anywhere").returncode == 0
+    done = febkit("run", "run/m.feb", "--data-anywhere")
+    assert done.returncode == 0 and "--data-anywhere" not in done.stdout + done.stderr
     assert (tmp_path / "x.txt").read_text().count("*Step") == 6
+
+
+def test_a_file_in_the_folder_of_a_log_elsewhere_is_no_warning(tmp_path: Path, febkit, model) -> None:
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "m.feb").write_text(model(log=f'<node_data data="x" file="{tmp_path}/x.txt"/>'))
+    done = febkit("run", "run/m.feb", "-o", tmp_path / "m.log")
+    assert done.returncode == 0 and "--data-anywhere" not in done.stdout + done.stderr
+    assert (tmp_path / "x.txt").exists()
 
 
 def test_a_failed_run_leaves_earlier_data(tmp_path: Path, febkit, model) -> None:

@@ -131,8 +131,20 @@ def test_names_values_and_ranges_are_checked_when_they_are_set() -> None:
     m = plug()
     with pytest.raises(AttributeError, match=r"biphasic\.solid has no parameter 'Young'; there are E, density, v"):
         m.materials["cartilage"].solid.Young = 1
-    with pytest.raises(InputError, match="E = nan is not a finite number"):
+    with pytest.raises(InputError, match="E must be a finite number, not nan"):
         m.materials["cartilage"].solid.E = float("nan")
+    for value in (-1, "-1", 0):
+        with pytest.raises(InputError, match=r"solid\.E must be more than 0, not (-1|0)"):
+            m.materials["cartilage"].solid.E = value
+    with pytest.raises(InputError, match=r"v must be in \[-1, 0.5\), not 0.5"):
+        mt.NeoHookean(E=1, v=0.5)
+    with pytest.raises(InputError, match=r"Control\.step_size must be at least 0, not -1"):
+        m.steps[0].control.step_size = -1
+    with pytest.raises(InputError, match=r"solver\.rtol must be at least 0, not -1"):
+        m.steps[0].control.solver.rtol = -1
+    assert m.materials["cartilage"].solid.E == 0.6
+    m.materials["cartilage"].solid.E = "-1 + 2*X"  # FEBio looks at numbers alone
+    m.materials["cartilage"].solid["E"].map = "stiffness"
     with pytest.raises(InputError, match="has no parameter 'vv'; did you mean v"):
         mt.NeoHookean(E=1, vv=0.3)
     with pytest.raises(AttributeError, match="did you mean NeoHookean"):
