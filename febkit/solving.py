@@ -155,6 +155,8 @@ def _check(options: Options, problem: Problem, model: Model) -> None:
             raise InputError(amg.MISSING)
         if problem.bodies:
             raise InputError('linear = "iterative" does not solve models with rigid bodies', place)
+    if options.stabilise and any(b.physics.name == "multiphasic" for b in problem.blocks):
+        raise InputError("stabilise: the projection that steadies pressures does not know solutes; leave it out", place)
     if options.accuracy:
         from febkit.solver.second_order import refusal
 

@@ -63,6 +63,7 @@ class Group:
         self.element = e
         self.shell = block.element.startswith("shell_")
         self.alphaf = 1.0  # weight of the step's end in its internal forces, where the pressure goes by the end alone
+        self.steady = False  # is the analysis a steady state?
         self.N, self.dN = np.ascontiguousarray(e.N), np.ascontiguousarray(e.dN)
         self.conn = np.ascontiguousarray(block.conn, dtype=np.int32)
         m, g = len(self.conn), len(e.weights)

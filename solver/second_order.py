@@ -34,6 +34,8 @@ def refusal(problem: Problem) -> str:
         return "rigid bodies turn by steps of first order"
     if any(s.contacts for s in [problem.common, *problem.steps]):
         return "steps of second order do not follow surfaces in contact"
+    if any(b.physics.name == "multiphasic" for b in problem.blocks):
+        return "steps of second order do not follow solutes"
     for b in problem.blocks:
         if history.initial(b.solid, 1).shape[1]:
             return f"the material of part {b.name!r} has a memory, which is kept to first order only"

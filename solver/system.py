@@ -73,6 +73,7 @@ class System:
             b.rate = self.gamma / self.beta if self.dynamic else float(len(self.layout.fields) > 1)
         for g in groups:
             g.alphaf = self.alphaf if g.shell else 1.0
+            g.steady = self.steady
         self._mass: Mass | None = None
 
     @property

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
 
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
@@ -37,7 +40,7 @@ class Team:
         from concurrent.futures import ThreadPoolExecutor, wait  # nothing a small scene should pay for
 
         if self._pool is None:
-            self._pool = ThreadPoolExecutor(self.n - 1, "febkit")
+            self._pool = ThreadPoolExecutor(self.n - 1, "febkit", partial(np.seterr, **np.geterr()))
         later = [self._pool.submit(work, i) for i in range(1, k)]
         try:
             first = work(0)

@@ -42,11 +42,14 @@ class MultiphasicWork(StandardWork):
         super().__init__(group, physics)
         self.mix = physics.mixture
         self.at = Fields(self.mix, group.points())
-        self.steady = self.started = False
+        self.started = False
         self.scalars = group.columns[DISPLACEMENT.width :]
 
     def symmetric(self, steady: bool) -> bool:
         return False
+
+    def stabilise(self, tau: float) -> None:
+        raise ValueError("the projection that steadies pressures does not know solutes")
 
     # ---- pieces -------------------------------------------------------------------------------------
     def _at(self, lo: int, hi: int, state: State) -> tuple[slice, Points]:
@@ -77,7 +80,7 @@ class MultiphasicWork(StandardWork):
     # ---- update -------------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
         super().update(c, state, drive)
-        self._evaluate(c.lo, c.hi, state, Instant(state.dt, self.steady) if self.started else None)
+        self._evaluate(c.lo, c.hi, state, Instant(state.dt, self.group.steady) if self.started else None)
 
     def _evaluate(self, lo: int, hi: int, state: State, now: Instant | None) -> None:
         q, pts = self._at(lo, hi, state)
@@ -90,14 +93,14 @@ class MultiphasicWork(StandardWork):
 
     # ---- residual and tangent -----------------------------------------------------------------------
     def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
-        g, self.steady = self.group, steady
+        g = self.group
         q, pts = self._at(lo, hi, state)
         stress = self.at.stress(q, pts, self._stress(q), Instant(state.dt, steady))
         f = forces(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], stress)
         subtract(lo, hi, g.conn, g.columns, f, R)
 
     def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
-        g, self.steady = self.group, steady
+        g = self.group
         s, C = work.zeros("s", c.points.n, 6), work.zeros("C", c.points.n, 6, 6)
         c.points.t, c.points.dt = state.time, state.dt
         self.moduli(c, s, C)
@@ -121,14 +124,13 @@ class MultiphasicWork(StandardWork):
             self.started = True
         self.at.begin_step(pts)
 
-    def rates(self) -> list[tuple[Floats, Floats]]:
-        raise NotImplementedError("second-order steps of mixtures with solutes")
-
     def snapshot(self) -> dict[str, Floats]:
-        return super().snapshot() | {f"mixture {k}": v for k, v in self.at.snapshot().items()}
+        own = {f"mixture {k}": v for k, v in self.at.snapshot().items()}
+        return super().snapshot() | own | {"started": np.array(self.started)}
 
     def restore(self, saved: dict[str, Floats]) -> None:
         super().restore(saved)
+        self.started = bool(saved["started"])
         self.at.restore({k.removeprefix("mixture "): v for k, v in saved.items() if k.startswith("mixture ")})
 
     # ---- what others ask ----------------------------------------------------------------------------

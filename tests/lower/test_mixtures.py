@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers.command import febkit
 from helpers.mixture_deck import (
     FC,
     HELD,
@@ -166,3 +167,13 @@ def test_constants_are_asked_for(tmp_path: Path) -> None:
 def test_a_concentration_that_is_not_there(tmp_path: Path) -> None:
     text = deck(material("multiphasic", NEUTRAL), HELD + prescribed("concentration", "start", 1.0, "c7"))
     assert "c7" in refused(text, tmp_path)
+
+
+@pytest.mark.parametrize(("option", "why"), [("--accuracy=0.01", "do not follow solutes"),
+                                             ("--stabilise", "does not know solutes")])  # fmt: skip
+def test_what_does_not_know_solutes_is_refused_before_solving(option: str, why: str, tmp_path: Path) -> None:
+    text = deck(material("biphasic-solute", solute("Na")), HELD, "", steps=(2, 0.5))
+    (tmp_path / "mixture.feb").write_text(text)
+    done = febkit("run", option, "mixture.feb", folder=tmp_path)
+    assert done.returncode == 2 and why in done.stderr and "Traceback" not in done.stderr, done.stderr
+    assert not (tmp_path / "mixture.xplt").exists()

@@ -167,3 +167,11 @@ def test_threads_do_not_change_the_answer() -> None:
         assert result.converged and shares.n == threads, result.reason
         states.append(result.state.d)
     np.testing.assert_allclose(states[0], states[1], atol=1e-10)
+
+
+@pytest.mark.filterwarnings("error")
+def test_all_threads_are_as_quiet_about_what_overflows_as_the_first() -> None:
+    team, huge = Team(2), np.array([1e300])
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        assert all(np.isinf(q[0]) for q in team.map(lambda _: huge * huge, 2))
+    team.close()

@@ -10,7 +10,12 @@ from scipy.integrate import solve_bvp
 
 import febkit
 from febkit import materials as mt
+from febkit.lower import lower
 from febkit.modelling.solution import Solution
+from febkit.solver.newton import Newton, NotConverged, Strategy
+from febkit.solver.options import Options
+from febkit.solver.run import Listener, Run
+from febkit.solver.system import System
 from helpers.charged import CHARGES, FC, PERM, PHI0, RT, TIGHT, bathe, block, field, solute, solved, start
 
 L = 0.5  # mm
@@ -115,18 +120,24 @@ def test_uptake_from_a_bath_follows_the_series() -> None:
     assert np.abs(nodal(m, solved(m), "concentration 1") - series).max() < 0.02
 
 
-def test_a_solute_made_at_a_constant_rate_in_a_biphasic_solute_material() -> None:
-    """c = c* + s (L^2 - z^2) / (2 phi D) at rest, s moles per volume and time: exact at the nodes."""
-    made, D, n = 0.02, 0.67e-3, 6
+def supplied(n: int, supply: Any, D: float = 0.67e-3) -> febkit.Model:
+    """A layer of a biphasic-solute material with a supply of glucose."""
     m = febkit.Model("solute", units="mm-N-s")
     m.set_constants(R=RT / 298.0, T=298.0)
     m.solute("Glc")
     m.add_block("tissue", (L / n, L / n, L), (1, 1, n))
     glucose = mt.Solute("Glc", diffusivity=mt.DiffConstIso(free_diff=D, diff=D), solubility=mt.SolubConst(solub=1.0),
-                        supply=mt.SupplyConst(supp=made))  # fmt: skip
+                        supply=supply)  # fmt: skip
     m.materials["tissue"] = mt.BiphasicSolute(
         phi0=PHI0, solid=mt.NeoHookean(E=0.5, v=0.1), permeability=mt.PermConstIso(perm=PERM),
         osmotic_coefficient=mt.OsmCoefConst(osmcoef=1.0), solute=glucose)  # fmt: skip
+    return m
+
+
+def test_a_solute_made_at_a_constant_rate_in_a_biphasic_solute_material() -> None:
+    """c = c* + s (L^2 - z^2) / (2 phi D) at rest, s moles per volume and time: exact at the nodes."""
+    made, D, n = 0.02, 0.67e-3, 6
+    m = supplied(n, mt.SupplyConst(supp=made))
     m.fix("all", "x", "y", "z")
     start(m, {"Glc": 5.0})
     bathe(m, m.nodes(z="max"), {"Glc": 5.0})
@@ -135,6 +146,25 @@ def test_a_solute_made_at_a_constant_rate_in_a_biphasic_solute_material() -> Non
     c = nodal(m, solved(m), "concentration 1")
     assert np.allclose(c, 5.0 + made * (L * L - z * z) / (2 * POROSITY * D), rtol=1e-8)
     assert c[0] > 9.0
+
+
+def test_a_steady_state_is_one_from_its_first_iterate_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Receptors hold what they hold at rest, before any residual is taken."""
+    m = supplied(1, mt.SupplyBinding(kf=0.1, kr=0.2, Rtot=3.0))
+    m.fix("all", "x", "y", "z")
+    start(m, {"Glc": 5.0})
+    m.step(analysis="STEADY-STATE", time=1.0, dt=1.0, fixed=True, solver=TIGHT)
+    run = Run(lower(m.record), options=Options(threads=1))
+    seen, take = [], System.residual
+
+    def looking(self: System) -> Any:
+        seen.append(run.groups[0].physics.at.complex.copy())
+        return take(self)
+
+    monkeypatch.setattr(System, "residual", looking)
+    assert run.solve().converged
+    cr = POROSITY * 5.0
+    assert np.allclose(seen[0], 3.0 * cr / (2.0 + cr))
 
 
 # ---- salts ----------------------------------------------------------------------------------------
@@ -287,6 +317,43 @@ def test_a_first_step_that_is_cut_starts_from_the_same_moles() -> None:
     result = solved(m)
     assert result.totals.retries > 0
     assert np.allclose(moles(result), [150.0 - CF, 150.0], rtol=1e-5)
+
+
+class FirstStep(Listener):
+    """Remembers the size and the end of the first step that converged."""
+
+    dt = 0.0
+
+    def converged(self, run: Run, counts: Any) -> None:
+        if not self.dt:
+            self.dt, self.d = run.state.dt, run.state.d.copy()
+
+
+def first_step(dt: float, plot: str) -> FirstStep:
+    m, seen = closed_to_chloride(), FirstStep()
+    m.step(time=400.0, dt=400.0, plot=plot, solver=TIGHT)
+    m.control["step_size"] = dt
+    solved(m, listeners=[seen])
+    return seen
+
+
+@pytest.mark.parametrize("plot", ["PLOT_NEVER", "PLOT_MAJOR_ITRS"])
+def test_a_first_step_that_fails_leaves_nothing_of_its_start_behind(plot: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tried anew, it is the step that one begun with its size at once makes."""
+    step, tries = Newton.step, iter(range(10**6))
+
+    def failing(self: Newton, how: Strategy) -> Any:
+        if not next(tries):
+            raise NotConverged("not tried")
+        return step(self, how)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Newton, "step", failing)
+        again = first_step(400.0, plot)
+    assert again.dt < 400.0
+    at_once = first_step(again.dt, plot)
+    assert at_once.dt == again.dt and np.abs(at_once.d).max() > 1.0
+    assert np.array_equal(again.d, at_once.d)
 
 
 # ---- reactions ------------------------------------------------------------------------------------
