@@ -60,14 +60,11 @@ class Law:
     columns: list[int]  # of the result's solutes, for each of the material's
 
     def __call__(self, s: State, t: int) -> Contents:
-        fields = self._fields(s, t)
+        pts = self.laws.points(self.group, s.F, s.J, float(self.sources.ds["time"].values[t]))
+        fields = self._fields(pts, s, t)
         mix, sol, J = self.mix, fields.solution(slice(None)), fields.J
-        pts = self._points(s, t)
         osmolarity = sol.osmolarity()
         over = osmolarity - neutral_osmolarity(mix, pts, sol)
-        j = fields.j
-        if not mix.neutral and mix.penalty:
-            j = j + mix.penalty * np.einsum("i,nia->na", sol.z, j)[:, None, :]
         share = self._shaped(1.0 - sol.phi0 / J)
         return Contents(
             share,
@@ -78,16 +75,12 @@ class Law:
             self._shaped(fields.electric_potential()),
             self._shaped(mix.RT * mix.osmotic_coefficient.coefficient(pts, sol) * over),
             self._shaped(fields.w),
-            self._by_solute(j),
+            self._by_solute(fields.balanced_flux(slice(None), sol)),
         )
 
-    def _points(self, s: State, t: int) -> Points:
-        return self.laws.points(self.group, s.F, s.J, float(self.sources.ds["time"].values[t]))
-
-    def _fields(self, s: State, t: int) -> Fields:
+    def _fields(self, pts: Points, s: State, t: int) -> Fields:
         from febkit.solver.multiphasic.fields import Fields
 
-        pts = self._points(s, t)
         fields = Fields(self.mix, pts)
         values = self._values(s, t)
         for _ in range(MOST):  # solutes that do not diffuse take up volume, which their concentration depends on

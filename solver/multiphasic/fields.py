@@ -174,15 +174,19 @@ class Fields:
             made *= phi[:, None]
         out[:, 1:, 3] = dt * self.w[q]
         out[:, 0, 3] = dt * fluid
-        j = self.j[q]
-        if not mix.neutral and mix.penalty:
-            j = j + mix.penalty * np.einsum("i,nia->na", sol.z, j)[:, None, :]
-        out[:, 1:, 4:] = dt * j.transpose(0, 2, 1)
+        out[:, 1:, 4:] = dt * self.balanced_flux(q, sol).transpose(0, 2, 1)
         out[:, 0, 4:] = dt * made
         if not steady:
             out[:, 0, 3] -= 1.0 - self.J_old[q] / J
             out[:, 0, 4:] -= phi[:, None] * sol.ca - self.stored_old[q] / J[:, None]
         return out
+
+    def balanced_flux(self, q: slice, sol: Solution) -> Floats:
+        """Fluxes of solutes (n, m, 3) as their balances have them, with the current's penalty."""
+        j = self.j[q]
+        if not self.mix.neutral and self.mix.penalty:
+            j = j + self.mix.penalty * np.einsum("i,nia->na", sol.z, j)[:, None, :]
+        return j
 
     def _supplies(self, q: slice, pts: Points, sol: Solution, phi: Floats) -> tuple[Floats, Floats]:
         """Volume supply of fluid (n,) and molar supplies of solutes (n, m), per current mixture volume."""
