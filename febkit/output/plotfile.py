@@ -67,7 +67,7 @@ class PlotListener(Listener):
         variables: list[PlotVariable] = []
         mixture = bool(solutes(model))
         for v in model.output.plot:
-            if not fields.known(v.type, mixture) or v.type not in VARIABLES or v.surface:
+            if v.type not in VARIABLES or v.surface or not fields.known(v.type, mixture):
                 warn(f'plot variable "{v.type}" is not computed by febkit and is left out')
             elif v.type not in self.names:
                 self.names.append(v.type)

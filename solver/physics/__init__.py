@@ -11,9 +11,9 @@ from ..registry import Registry
 
 FILES = {
     "standard": "standard",
-    "three-field": "three_field",
     "biphasic": "biphasic",
     "multiphasic": "multiphasic",
+    "three-field": "three_field",
 }
 _all: Registry[Any] = Registry(__name__, FILES)
 register, load = _all.register, _all.load
