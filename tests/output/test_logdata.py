@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import febkit
-from febkit.model import InputError, LogEntry
+from febkit.model import ElementSet, InputError, LogEntry, sets
+from febkit.output import fields
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "unconfined_compression.feb"
 
@@ -51,3 +52,20 @@ def test_unknown_data_is_named_and_left_out(tmp_path):
 def test_a_node_that_does_not_exist_is_refused(tmp_path):
     with pytest.raises(InputError, match="999999"):
         febkit.solve(_model(LogEntry("node_data", "uz", items=(999999,))), logfile=tmp_path / "m.log")
+
+
+def test_columns_of_one_field_evaluate_it_once_a_state(tmp_path, monkeypatch):
+    asked, rows = [], []
+    at_points, elements = fields.at_points, sets.element_ids
+    monkeypatch.setattr(fields, "at_points", lambda g, name: asked.append(name) or at_points(g, name))
+    monkeypatch.setattr(sets, "element_ids", lambda *args: rows.append(args) or elements(*args))
+    m = _model(LogEntry("element_data", "sx;sy;sz;sxy;syz;sxz;s1;s2;s3", file="e.csv", delim=",", set="tissue"))
+    ids = m.mesh.blocks[0].ids
+    m = replace(m, mesh=replace(m.mesh, element_sets={"tissue": ElementSet("tissue", ids)}))
+    result = febkit.solve(m, logfile=tmp_path / "m.log")
+    text = (tmp_path / "e.csv").read_text()
+    assert len(asked) == text.count("*Step") * len(m.mesh.blocks) and len(rows) == 1 and result.converged
+    _, table = _last(tmp_path / "e.csv")
+    x, y, z, xy, yz, xz = table[:, 1:7].T
+    T = np.array([[x, xy, xz], [xy, y, yz], [xz, yz, z]]).transpose(2, 0, 1)
+    np.testing.assert_allclose(table[:, 7:], np.linalg.eigvalsh(T)[:, ::-1], rtol=1e-6, atol=1e-12)
