@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from febkit.files import put
 from febkit.model import Component, InputError, LoadController, Model, NodeSet, Step, as_record
 from febkit.model.sets import node_indices
+from febkit.model.species import solutes
 
 from .curves import curve_sections, insert, section_document
 from .formula import LONGEST, Reference, referring, spelled_out
@@ -135,18 +136,8 @@ def with_solutes(given: Handoff, model: Model) -> Handoff:
     model = as_record(model)
     if model.module not in ("multiphasic", "solute") or not given.solutes:
         return given.of_solutes(())
-    ids = solute_ids(model)
-    return replace(given.of_solutes(list(ids)), solute_ids=tuple(ids.values()))
-
-
-def solute_ids(model: Model) -> dict[str, int]:
-    """Ids of a model's solutes by name, as its <Globals> have them."""
-    found: dict[str, int] = {}
-    for section in model.unknown:
-        for table in section.all("Solutes"):
-            for k, s in enumerate(table.all("solute"), 1):
-                found[s.name or f"solute {s.id or k}"] = s.id or k
-    return found
+    own = solutes(model)
+    return replace(given.of_solutes([s.name for s in own]), solute_ids=tuple(s.id for s in own))
 
 
 def _without_old(model: Model, nodes: Ints, given: Handoff) -> tuple[Model, list[str]]:

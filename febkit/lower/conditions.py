@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from febkit.model import Component, InputError
+from febkit.model import Component, InputError, species
 from febkit.model.sets import node_indices, surface
-from febkit.model.species import solutes
 from febkit.solver.following import ActualPressure, MatchingOsmotic
 from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import Fixed, Initial, Prescribed
 
 from . import deformations
 from .context import FACETS, Context
-
-# FEBio writes these with every condition; they mean nothing here
-META = frozenset({"name"})
 
 
 def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Prescribed]:
@@ -89,10 +85,7 @@ def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]
 def _concentration(ctx: Context, c: Component, leaf: Component) -> int:
     """Column of a concentration by FEBio's name of it, "c1", or by the name of its solute."""
     dof = leaf.text.strip()
-    if not ctx.layout.has(dof):
-        s = next((s for s in solutes(ctx.model) if s.name == dof), None)
-        dof = dof if s is None else f"c{s.index + 1}"
-    return ctx.column(dof, c)
+    return ctx.column(dof if ctx.layout.has(dof) else species.dof(ctx.model, dof), c)
 
 
 def _zero_concentration(ctx: Context, c: Component) -> list[Fixed | Prescribed]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from . import values
+from .component import Component
 from .model import Model
 from .source import InputError, Where
 
 
 @dataclass(frozen=True, slots=True)
 class Species:
-    """A solute or solid-bound molecule of <Globals>; ``index``: its place in the list, from 0."""
+    """A solute or solid-bound molecule of <Globals>; ``index``: its place in the tuple it comes in, from 0."""
 
     name: str
     id: int
@@ -22,8 +23,19 @@ class Species:
 
 
 def solutes(model: Model) -> tuple[Species, ...]:
-    """The solutes of <Globals>, in file order: solute k has the degree of freedom c<k>."""
-    return _species(model, "Solutes", "solute")
+    """The solutes of <Globals> in the order of their ids, whatever the file's: that of id k has the degree of
+    freedom c<k>. Raises InputError where ids are not 1, 2, ...: FEBio would take degrees of freedom that are not there.
+    """
+    found = _species(model, "Solutes", "solute")
+    if sorted(s.id for s in found) != list(range(1, len(found) + 1)):
+        said, first = ", ".join(str(s.id) for s in found), _listed(model, "Solutes", "solute")[0]
+        raise InputError(f"the ids of {len(found)} solutes must be 1 to {len(found)}, not {said}", first.where)
+    return tuple(replace(s, index=s.id - 1) for s in sorted(found, key=lambda s: s.id))
+
+
+def dof(model: Model, name: str) -> str:
+    """A degree of freedom by FEBio's name, or by that of the solute whose effective concentration it is."""
+    return next((f"c{s.id}" for s in solutes(model) if s.name == name), name)
 
 
 def solid_bound(model: Model) -> tuple[Species, ...]:
@@ -31,19 +43,21 @@ def solid_bound(model: Model) -> tuple[Species, ...]:
     return _species(model, "SolidBoundMolecules", "solid_bound")
 
 
+def _listed(model: Model, section: str, tag: str) -> list[Component]:
+    return [c for u in model.unknown if u.tag == "Globals" for table in u.all(section) for c in table.all(tag)]
+
+
 def _species(model: Model, section: str, tag: str) -> tuple[Species, ...]:
     found: list[Species] = []
-    for table in (t for u in model.unknown if u.tag == "Globals" for t in u.all(section)):
-        for c in table.all(tag):
-            k = len(found)
-            charge = c.child("charge_number")
-            s = Species(
-                c.name or f"{tag} {c.id or k + 1}", c.id or k + 1, k, 0 if charge is None else charge.as_int(),
-                c.float("molar_mass", 1.0), c.float("density", 1.0),
-            )  # fmt: skip
-            if s.density <= 0.0 or s.molar_mass <= 0.0:
-                raise InputError(f'{tag} "{s.name}": density and molar_mass must be more than 0', c.where)
-            found.append(s)
+    for k, c in enumerate(_listed(model, section, tag)):
+        charge = c.child("charge_number")
+        s = Species(
+            c.name or f"{tag} {c.id or k + 1}", c.id or k + 1, k, 0 if charge is None else charge.as_int(),
+            c.float("molar_mass", 1.0), c.float("density", 1.0),
+        )  # fmt: skip
+        if s.density <= 0.0 or s.molar_mass <= 0.0:
+            raise InputError(f'{tag} "{s.name}": density and molar_mass must be more than 0', c.where)
+        found.append(s)
     return tuple(found)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from febkit.model import Component, InputError
 from febkit.model import Model as Record
-from febkit.model.species import Species, solid_bound, solutes
+from febkit.model.species import solid_bound, solutes
 
 from .sets import missing
 from .text import number
@@ -47,12 +47,6 @@ def _with(sections: tuple[Component, ...], name: str, made: Component) -> tuple[
         longer = replace(table, children=(*table.children, made))
         new = replace(whole, children=tuple(longer if c is table else c for c in whole.children))
     return tuple(new if u is whole else u for u in sections)
-
-
-def dof(model: Record, name: str) -> str:
-    """A degree of freedom by FEBio's name, or by that of the solute whose effective concentration it is."""
-    found: Species | None = next((s for s in solutes(model) if s.name == name), None)
-    return name if found is None else f"c{found.index + 1}"
 
 
 def number_of(model: Record, name: str) -> int:

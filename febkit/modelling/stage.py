@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from febkit.feb.dofs import BY_DOF
 from febkit.feb.features import table
 from febkit.model import Component, InputError, Step, SurfacePair
+from febkit.model.species import dof as dof_of
 
 from . import species
 from .curves import resolved, scaled
@@ -27,7 +28,6 @@ MAGNITUDE = {
     "nodal_load": "scale", "nodal_force": "value", "body force": "force", "soluteflux": "flux",
     "nodal fluidflux": "value", "rigid_force": "value", "rigid_moment": "value",
 }  # fmt: skip
-LISTS = ("boundary", "loads", "contact", "constraints", "rigid", "initial")
 
 
 class Components:
@@ -183,7 +183,7 @@ class Stage:
 
     def _dofs(self, names: Iterable[str]) -> tuple[str, ...]:
         """Degrees of freedom by FEBio's names."""
-        return tuple(species.dof(self.model.record, n) for n in names)
+        return tuple(dof_of(self.model.record, n) for n in names)
 
     # ---- loads ------------------------------------------------------------------------------------
     def load(self, where: Any, type: str, *, curve: Any = None, name: str | None = None, **parameters: Any) -> Node:

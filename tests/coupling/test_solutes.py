@@ -25,11 +25,11 @@ def charged(n=3, degree=3, kind="hex27"):
                    c=(1 + 0.1 * wave)[:, None, None] * c, solutes=("Na", "Cl"))
 
 
-def mixture(names=("Na", "Cl"), boundary=()):
+def mixture(names=("Na", "Cl"), boundary=(), ids=(1, 2, 3)):
     """A cell model of a multiphasic module whose solutes are ``names``."""
     table = Component("Solutes", children=tuple(
         Component("solute", name=n, id=k, children=(leaf("charge_number", CHARGES.get(n, 0)),))
-        for k, n in enumerate(names, 1)))
+        for k, n in zip(ids, names)))
     return replace(cell("multiphasic", boundary), unknown=(Component("Globals", children=(table,)),))
 
 
@@ -61,10 +61,11 @@ def test_orders_are_chosen_apart():
         handoff(ds, X, solute_order=4)
 
 
-@pytest.mark.parametrize("origin", [(0, 0, 0), (0.01, -0.02, 0.0)])
-def test_conditions_give_the_histories_by_the_solutes_names(origin):
+@pytest.mark.parametrize(("origin", "names", "ids"), [
+    ((0, 0, 0), ("Cl", "Na"), (1, 2)), ((0.01, -0.02, 0.0), ("Cl", "Na"), (1, 2)), ((0, 0, 0), ("Na", "Cl"), (2, 1))])
+def test_conditions_give_the_histories_by_the_solutes_names(origin, names, ids):
     """The cell model numbers its solutes otherwise; the solute, not the number, decides."""
-    model = mixture(("Cl", "Na"))
+    model = mixture(names, ids=ids)
     nodes = surface_nodes(model.mesh)
     h = handoff(series(charged(), AT, order=3, recovery="polynomial"), model.mesh.X[nodes], order=2, origin=origin)
     made = drive(model, h, nodes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -177,3 +178,17 @@ def test_what_does_not_know_solutes_is_refused_before_solving(option: str, why: 
     done = febkit("run", option, "mixture.feb", folder=tmp_path)
     assert done.returncode == 2 and why in done.stderr and "Traceback" not in done.stderr, done.stderr
     assert not (tmp_path / "mixture.xplt").exists()
+
+
+def test_a_solute_has_the_degree_of_freedom_of_its_id(tmp_path: Path) -> None:
+    """As in FEBio, whatever the order in the file; its answers for this model."""
+    held = HELD + prescribed("concentration", "start", 1.0, "c1")
+    text = deck(material("multiphasic", solute("Glc") + solute("Ure", 3.0)), held, steps=(3, 1.0), n=4)
+    text = re.sub("<Solutes>.*?</Solutes>", "<Solutes>" + "".join(
+        f'<solute id="{i}" name="{n}"><molar_mass>180</molar_mass></solute>' for i, n in ((2, "Glc"), (1, "Ure"))
+    ) + "</Solutes>", text, flags=re.DOTALL)  # fmt: skip
+    c = solve(text, tmp_path).isel(time=-1)["solute_concentration"]
+    assert c.sel(solute="Ure").values == pytest.approx([0.9996, 0.99885, 0.99829, 0.99798], abs=1e-5)
+    assert (c.sel(solute="Glc").values == 0).all()
+    wrong = text.replace('id="2" name="Glc"', 'id="3" name="Glc"')
+    assert "ids of 2 solutes must be 1 to 2, not 3, 1" in refused(wrong, tmp_path)
