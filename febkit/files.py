@@ -343,18 +343,6 @@ def _lock_windows(fd: int) -> bool:
     return True
 
 
-def in_use(path: PathLike) -> bool:
-    """Whether a run is writing to a file."""
-    try:
-        fd = os.open(real(path), os.O_RDONLY | _FLAGS | getattr(os, "O_NONBLOCK", 0))
-    except OSError:
-        return False
-    try:
-        return not lock(fd, shared=True)
-    finally:
-        os.close(fd)
-
-
 def _refuse_busy(target: Path, path: PathLike, where: Where | None = None) -> None:
     if not target.is_file():
         return

@@ -135,8 +135,3 @@ def outflow(on: CellSurface, x: Floats, q: Floats) -> Floats:
         rate = np.einsum("igf,igf,g->f", flux, normal, f.element.weights)
         out += np.bincount(f.owner, rate, minlength=on.cells)
     return out
-
-
-def divergence_volume(on: CellSurface, x: Floats) -> Floats:
-    """(cell,) volume enclosed by each cell's surface: a third of the outflow of x."""
-    return outflow(on, x, x) / 3

@@ -64,11 +64,6 @@ class Group:
         self.inv = tensors.inverse(A, det)
         self.dV = det * el.weights[:, None]
 
-    @property
-    def reference_volume(self) -> Floats:
-        """(e,) reference volumes."""
-        return np.asarray(self.dV.sum(axis=0))
-
     def positions(self, nodal: Floats) -> Floats:
         """(3, n, e) of nodal vectors (N, 3)."""
         return np.ascontiguousarray(nodal[self.nodes].transpose(2, 0, 1))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -193,9 +192,3 @@ def _message(lines: list[str], i: int) -> tuple[Message | None, int]:
 
 def _closing(lines: list[str], i: int) -> int:
     return int(i < len(lines) and _BOX.match(lines[i]) is not None)
-
-
-def follow(path: str | os.PathLike[str]) -> Iterator[dict[str, Any]]:
-    """The attempted steps of a log, one after the other."""
-    for row in read_log(path).steps.to_dict("records"):
-        yield {str(k): v for k, v in row.items()}
