@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from febkit import process
 
 from . import exits, printing, signals
 from .febio_options import understood
@@ -73,9 +72,8 @@ def command(
     if log is not None and log.suffix.lower() in (".xplt", *VTK):
         raise exits.Refused(f"{log}: -o names the log; a plotfile is named by -p {log}")
     plot_path, log_path = _plotfile(plot, path), log or path.with_suffix(".log")
-    # numpy's BLAS multiplies small matrices only, on threads that are the solver's own
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    _keep_freed_memory()
+    process.one_blas_thread()
+    process.keep_freed_memory()
     from febkit.feb import read
 
     m = read(path)
@@ -133,23 +131,6 @@ def _for_paraview(plot: Path, target: Path, silent: bool) -> None:
     written = export(plot, target, overwrite=True)
     if not silent:
         printing.say(f"wrote {target} ({len(written)} files)")
-
-
-def _keep_freed_memory() -> None:
-    """Have glibc keep up to 256 MB that were freed, where the C library is glibc.
-
-    Stresses and tangents of every iteration take arrays of the same sizes; given back to the system each time, a
-    third of a solve's processor time went into the kernel's clearing of pages (``mallopt``, glibc manual).
-    """
-    if sys.platform != "linux":
-        return
-    import ctypes
-
-    with suppress(AttributeError, OSError):
-        mallopt = ctypes.CDLL(None).mallopt
-        trim, map_above = -1, -3
-        mallopt(trim, 256 << 20)
-        mallopt(map_above, 32 << 20)
 
 
 def _say_written(plot: Path, log: Path, states: int, kept: bool, earlier: bool) -> None:

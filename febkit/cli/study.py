@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from febkit import process
+
 from . import exits, printing
 from .paths import INPUT
 
@@ -41,6 +43,7 @@ def command() -> None:
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but failures.")
 def run(study: Path, overrides: tuple[str, ...], scheduler: str, quiet: bool) -> None:
     """Do what is not done yet. Exit code 1 where a step failed."""
+    process.one_blas_thread()
     from febkit.study import carry_out
 
     plan = _plan(study, overrides)

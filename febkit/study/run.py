@@ -142,7 +142,7 @@ def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any
     env = {
         k: str(r.threads)
         for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "FEBKIT_THREADS")
-    }
+    } | {"OPENBLAS_NUM_THREADS": "1"}  # as febkit run has it
     with (
         dask.config.set(
             {"distributed.nanny.pre-spawn-environ": env, "distributed.worker.memory.terminate": 0.98}

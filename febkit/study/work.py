@@ -60,9 +60,10 @@ def adopt(job: Job) -> None:
 
 def solve(job: Job) -> None:
     """Solve a model; keeps the plotfile and the log."""
-    from febkit import feb
+    from febkit import feb, process
     from febkit.solving import solve as run
 
+    process.keep_freed_memory()
     model = feb.read(job.inputs["model"] / MODEL)
     threads = int(os.environ.get("FEBKIT_THREADS", "0"))
     said: list[str] = []

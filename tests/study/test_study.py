@@ -431,8 +431,10 @@ def test_a_killed_worker_costs_no_result(tmp_path):
         np.testing.assert_allclose(a[name], b[name], rtol=1e-8, atol=1e-14, err_msg=str(name))
 
 
-def test_report_of_a_small_study(tmp_path):
+def test_report_of_a_small_study(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
+    kept = []
+    monkeypatch.setattr("febkit.process.keep_freed_memory", lambda: kept.append(True))
     p = plan_of(tmp_path, "points={at=[[0,0,0]]}", 'methods=["1"]')
     assert study.carry_out(p, "serial").complete
     files = [f.name for f in study.write_report(p, tmp_path / "report")]
@@ -442,6 +444,7 @@ def test_report_of_a_small_study(tmp_path):
     solves = text[text.index("**Solves**") :].splitlines()
     rows = [[c.strip() for c in r.split("|")[1:-1]] for r in solves if r.startswith("| ")][1:]
     total = sum(float(r[3]) for r in rows[:-1])
+    assert len(kept) == 2  # as febkit run does
     assert rows[-1][0] == "2 solves" and float(rows[-1][3]) == pytest.approx(total, abs=0.3)
     assert [r[1] for r in rows[:-1]] == ["27", rows[1][1]] and int(rows[1][1]) > 100
 
