@@ -154,15 +154,13 @@ def _printed(data: xr.Dataset, names: list[str], dim: str, times: tuple[float, .
     import numpy as np
 
     from febkit.metrics.tables import Table, heading
-    from febkit.model import InputError
+    from febkit.results.subsets import state_at
 
     t = np.asarray(data["time"].values, dtype=float)
     head = [heading(n, str(data[n].attrs.get("units", ""))) for n in names]
     unit = str(data["time"].attrs.get("units", ""))
-    for want in times or (float(t[-1]),):
-        k = int(np.abs(t - want).argmin())
-        if abs(t[k] - want) > 1e-3 * max(abs(want), 1e-3):
-            raise InputError(f"no state at t = {want:g}; the nearest is {t[k]:g}")
+    for want in times or (None,):
+        k = state_at(t, want, 1e-3, 1e-3)
         rows = [
             [str(c), *(float(data[n].isel(time=k).sel({dim: c})) for n in names)]
             for c in data[dim].values

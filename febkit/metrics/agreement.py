@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from febkit import units
 from febkit.model import InputError
+from febkit.results.subsets import state_at
 
 from . import osmotic
 from .cells import METRICS
@@ -150,9 +151,7 @@ def at_moments(
 
     t = np.asarray(ds["time"].values, dtype=float)
     first = 0.1 if instantaneous is None else instantaneous
-    at = int(np.abs(t - first).argmin())
-    if abs(t[at] - first) > 1e-3 * max(first, 1e-12):
-        raise InputError(f"no state at t = {first:g}; the nearest is {t[at]:g}")
+    at = state_at(t, first, 1e-3, 1e-12)
     out = {}
     ds = osmotic.split(ds)
     for m in [m for m in (metrics or usual(ds)) if m in ds]:

@@ -155,14 +155,7 @@ class Results:
     def _state(self, time: float | None) -> int:
         """The state at a time, to single precision; the last where none is named."""
         t = np.asarray(self._ds["time"].values, dtype=float)
-        if not len(t):
-            raise InputError("the result holds no state")
-        if time is None:
-            return len(t) - 1
-        k = int(np.abs(t - time).argmin())
-        if abs(t[k] - time) > 1e-6 * max(abs(time), float(np.abs(t).max())):
-            raise InputError(f"no state at t = {time:g}; the nearest is {t[k]:g}")
-        return k
+        return subsets.state_at(t, time, 1e-6, float(np.abs(t).max(initial=0.0)))
 
     def to_meshio(self, time: float | None = None, *, deformed: bool = False) -> meshio.Mesh:
         """The state at a time (the last by default) with its nodal and element data."""

@@ -18,6 +18,19 @@ _PER_PART = ("parts", "part_materials", "part_sizes", "part_named")
 _OF_ELEMENTS = {"time", "node", "element", "local", "domain"}
 
 
+def state_at(times: Any, time: float | None, rtol: float, least: float) -> int:
+    """The state at a time, within ``rtol`` of it or of ``least`` where that is more; the last where none is named."""
+    t = np.asarray(times, dtype=float)
+    if not len(t):
+        raise InputError("the result holds no state")
+    if time is None:
+        return len(t) - 1
+    k = int(np.abs(t - time).argmin())
+    if abs(t[k] - time) > rtol * max(abs(time), least):
+        raise InputError(f"no state at t = {time:g}; the nearest is {t[k]:g}")
+    return k
+
+
 def node_set(ds: xr.Dataset, name: str) -> np.ndarray:
     """Rows of the nodes of a node set, or of a surface. Raises InputError that names those there are."""
     sets = meshes.node_sets(ds)

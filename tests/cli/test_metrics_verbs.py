@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import febkit
 from febkit import templates
+from febkit.cli import metrics
 from febkit.cli.main import cli
 from febkit.model import InputError
 
@@ -37,6 +38,12 @@ def test_metrics_to_table_and_file(run):
     call("metrics", run / "cell.xplt", "-o", run / "a.csv", "--style", "csv")
     head, *rows = (run / "a.csv").read_text().splitlines()
     assert head.startswith("cell,time (s),aspect_ratio_change") and len(rows) == 3
+
+
+def test_a_table_of_no_state_ends_in_words():
+    none = xr.Dataset({"a": (("cell", "time"), [[]])}, coords={"cell": ["c"], "time": []})
+    with pytest.raises(InputError, match="holds no state"):
+        metrics._printed(none, ["a"], "cell", (), "text")
 
 
 def test_consistent_exchange(run):
