@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from febkit import units
 from febkit.model import InputError
+from febkit.results.mesh import local_mean
 
 from . import groups as grouping
 from . import tensors
@@ -151,7 +152,7 @@ def _by_element(ds: xr.Dataset, v: xr.DataArray, rows: Ints) -> Floats:
     if "element" in v.dims:
         a = a[rows]
         if "local" in v.dims:
-            a = np.nanmean(a, axis=v.dims.index("local"))
+            a = local_mean(a, v.dims.index("local"))
     elif "node" in v.dims:
         conn = np.asarray(ds["connectivity"].values)[rows]
         inside = (conn >= 0).reshape(*conn.shape, *([1] * (a.ndim - 1)))

@@ -79,13 +79,12 @@ class Quantity:
 
     def _one(self, v: xr.DataArray) -> Floats:
         """(n,) of a state."""
+        from febkit.results.mesh import local_mean
+
         a = np.asarray(v.values, dtype=float)
         for local in ("local", "facet_local"):
             if local in v.dims:
-                known = np.isfinite(a)
-                axis = v.dims.index(local)
-                with np.errstate(invalid="ignore"):
-                    a = np.where(known, a, 0).sum(axis=axis) / known.sum(axis=axis)
+                a = local_mean(a, v.dims.index(local))
                 v = v.isel({local: 0})
         if not self.place:
             a, v = a[None], v.expand_dims("model")
@@ -193,15 +192,9 @@ def _field_units(ds: xr.Dataset, name: str, model: Model | None) -> str:
 
 def time_index(ds: xr.Dataset, time: float | None) -> int:
     """The state at a time, the last where none is named. Raises InputError where there is none."""
-    t = np.asarray(ds["time"].values, dtype=float)
-    if not len(t):
-        raise InputError("the result holds no state")
-    if time is None:
-        return len(t) - 1
-    k = int(np.abs(t - time).argmin())
-    if abs(t[k] - time) > 1e-3 * max(abs(time), 1e-3):
-        raise InputError(f"no state at t = {time:g}; the nearest is {t[k]:g}")
-    return k
+    from febkit.results.subsets import state_at
+
+    return state_at(ds["time"].values, time, 1e-3, 1e-3)
 
 
 def clock(ds: xr.Dataset, at: int) -> str:

@@ -262,6 +262,7 @@ def colour(body: Any, q: Quantity, t: int) -> None:
 def _vector(body: Any, ds: xr.Dataset, text: str, at: int, model: Model | None) -> None:
     """Put the vector "arrow" on the body's points or cells."""
     from febkit.results.dataset import variable_name
+    from febkit.results.mesh import local_mean
 
     name = variable_name(text)
     rows = np.asarray(body.cell_data["row"])
@@ -279,7 +280,7 @@ def _vector(body: Any, ds: xr.Dataset, text: str, at: int, model: Model | None) 
     if v.dims[0] == "node":
         body.point_data["arrow"] = a[np.asarray(body.point_data["node"])]
     else:
-        body.cell_data["arrow"] = np.nanmean(a[rows], axis=1) if "local" in v.dims else a[rows]
+        body.cell_data["arrow"] = local_mean(a[rows]) if "local" in v.dims else a[rows]
 
 
 def _opened(body: Any, cut: Plane | None) -> tuple[Any, Any]:

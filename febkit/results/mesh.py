@@ -158,3 +158,10 @@ def plot_mesh(ds: xr.Dataset) -> PlotMesh:
         edges=[PlotSurface(n, r) for n, r in _facets(ds, "edge_lines")],
         objects=ds["objects"].values.tobytes() if "objects" in ds else b"",
     )
+
+
+def local_mean(a: np.ndarray, axis: int = 1) -> np.ndarray:
+    """Mean over the nodes of an element or facet that have a value; NaN where none has."""
+    known = ~np.isnan(a)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(known, a, 0).sum(axis=axis) / known.sum(axis=axis))

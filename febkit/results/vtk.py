@@ -127,7 +127,7 @@ class Plan:
         if a.dims[0] == "domain":
             return _table(a.values[self.part])
         if "local" in a.dims:
-            return _table(_mean(a.values))
+            return _table(meshes.local_mean(a.values).astype(np.float32))
         return _table(a.values)
 
     def _by_facet(self, name: str, t: int, owner: np.ndarray) -> np.ndarray:
@@ -138,16 +138,8 @@ class Plan:
             valid = self.ds["facets"].values >= 0
             values = a.values
             values = np.where(valid.reshape(valid.shape + (1,) * (values.ndim - 2)), values, np.nan)
-            return _table(_mean(values))
+            return _table(meshes.local_mean(values).astype(np.float32))
         return _table(a.values)
-
-
-def _mean(a: np.ndarray) -> np.ndarray:
-    """Mean over the local nodes that have a value."""
-    known = ~np.isnan(a)
-    total = np.where(known, a, 0).sum(axis=1)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(total / known.sum(axis=1), np.float32)
 
 
 def _table(a: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from febkit.metrics import (
     tables,
 )
 from febkit.metrics.agreement import fisher_z
-from febkit.metrics.summary import weighted_quantiles
+from febkit.metrics.summary import mean, weighted_quantiles
 from febkit.model import InputError
 
 TIMES = [0.0, 0.1, 1.0, 100.0]
@@ -72,6 +73,8 @@ def test_moments_and_spread():
     assert (float(s["median"]), float(s.least), float(s.greatest)) == (3, -9, 4)
     with pytest.raises(InputError, match=r"0\.3"):
         at_moments(cells(v), instantaneous=0.3)
+    with pytest.raises(InputError, match="holds no state"):
+        at_moments(cells(v).isel(time=[]))
 
 
 def test_ranks_and_fisher():
@@ -124,6 +127,17 @@ def test_weighted_quantiles_of_uniform_values():
     # twice the weight is the same as the value twice
     doubled = weighted_quantiles(np.array([1.0, 2, 3]), np.array([1.0, 2, 1]), [0.5])
     assert doubled == pytest.approx([2.0])
+
+
+def test_an_element_without_a_value_counts_for_nothing_and_says_nothing(mesh, make):
+    X, conn = mesh(2)
+    ds = make(X, [("hex8", "tissue", conn)], lambda X, t: X)
+    values = np.ones((ds.sizes["time"], len(conn), 8))
+    values[:, 0], values[:, 1, :4] = np.nan, np.nan
+    ds["nodal_density"] = (("time", "element", "local"), values)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.allclose(mean(ds, "nodal_density"), 1)
 
 
 def test_summary_of_a_part(mesh, make):
