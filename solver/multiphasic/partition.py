@@ -45,14 +45,23 @@ def partition(mix: Mixture, pts: Points, sol: Solution, y: Floats) -> Potential:
     """
     k, z = solubilities(mix, pts, sol), mix.z
     y[:] = potential(z, np.where(sol.fixed, 0.0, k * sol.c), sol.cF, y)
-    zz = np.exp(z * y[:, None]) if z.any() else np.ones_like(sol.c)
-    sol.kappa[:] = k * zz
+    sol.kappa[:] = k * _powers(z, y, sol)
     sol.ca[:] = sol.kappa * sol.c
-    dkJ, dkc = _slopes(mix, pts, sol)
-    p = _derivatives(z, pts.J - sol.phi0, sol, y, zz, dkJ, dkc)
-    sol.dkdJ[:] = zz * dkJ + z * sol.kappa * p.by_J[:, None]
-    sol.dkdc[:] = zz[:, :, None] * dkc + (z * sol.kappa)[:, :, None] * p.by_c[:, None, :]
+    p = zeta_slopes(mix, pts, sol, y)
+    sol.dkdJ[:] = p.zz * p.by_J_k + z * sol.kappa * p.by_J[:, None]
+    sol.dkdc[:] = p.zz[:, :, None] * p.by_c_k + (z * sol.kappa)[:, :, None] * p.by_c[:, None, :]
     return p
+
+
+def zeta_slopes(mix: Mixture, pts: Points, sol: Solution, y: Floats) -> Potential:
+    """The derivatives of ln zeta = y (n,), by which ``sol`` is partitioned."""
+    zz = _powers(mix.z, y, sol)
+    return _derivatives(mix.z, pts.J - sol.phi0, sol, y, zz, *_slopes(mix, pts, sol))
+
+
+def _powers(z: Floats, y: Floats, sol: Solution) -> Floats:
+    """zeta^z (n, m)."""
+    return np.exp(z * y[:, None]) if z.any() else np.ones_like(sol.c)
 
 
 def _slopes(mix: Mixture, pts: Points, sol: Solution) -> tuple[Floats, Floats]:

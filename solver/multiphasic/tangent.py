@@ -20,7 +20,7 @@ from ..reactions.base import Reaction
 from .fields import Fields, Instant
 from .flow import flow, permeability
 from .material import Mixture
-from .partition import by_bound, partition
+from .partition import by_bound, zeta_slopes
 from .solution import Solution
 from .voigt import full, full4
 
@@ -46,7 +46,7 @@ class _Tangent:
         self.mix, self.pts, self.sol, self.gc = fields.mix, pts, fields.solution(q), fields.gc[q]
         self.pressure, self.consistent = fields.p[q], consistent
         self.dt, self.steady = now.dt, now.steady
-        self.p = partition(self.mix, pts, self.sol, fields.y[q])
+        self.p = zeta_slopes(self.mix, pts, self.sol, fields.y[q])
         self.f = flow(self.mix, pts, self.sol, fields.gp[q], self.gc)
         n, self.m = self.sol.c.shape
         self.C = FIRST + self.m

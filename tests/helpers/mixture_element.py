@@ -28,6 +28,16 @@ from febkit.solver.values import Constant
 RNG = np.random.default_rng(11)
 
 
+class Wells:
+    """1 - x / 10 + x^2 / 50."""
+
+    def value(self, x: np.ndarray) -> np.ndarray:
+        return 1.0 - 0.1 * x + 0.02 * x * x
+
+    def slope(self, x: np.ndarray) -> np.ndarray:
+        return -0.1 + 0.04 * x
+
+
 def solute(i: int, charge: int, diffusivity: str = "diff-const-iso", **parameters: Any) -> Solute:
     law = diffusivities.load(diffusivity)(**(parameters or {"free_diff": 1.3 + 0.2 * i, "diff": 0.7 + 0.1 * i}))
     solubility = solubilities.load("solub-const")(solub=0.9 - 0.1 * i)

@@ -20,7 +20,7 @@ from febkit.solver.multiphasic.partition import partition
 from febkit.solver.multiphasic.solution import Solution
 from febkit.solver.multiphasic.voigt import full, full4
 from febkit.solver.points import Points
-from helpers.mixture_element import mixture, solute
+from helpers.mixture_element import Wells, mixture, solute
 
 RNG = np.random.default_rng(4)
 N, PHI, H = 5, 0.2, 1e-6
@@ -51,16 +51,6 @@ def by_c(value: Any) -> np.ndarray:
         step[j] = H
         out.append((value(*evaluated(F0, C0 + step)) - value(*evaluated(F0, C0 - step))) / (2 * H))
     return np.stack(out, axis=1)
-
-
-class Wells:
-    """1 - x / 10 + x^2 / 50."""
-
-    def value(self, x: np.ndarray) -> np.ndarray:
-        return 1.0 - 0.1 * x + 0.02 * x * x
-
-    def slope(self, x: np.ndarray) -> np.ndarray:
-        return -0.1 + 0.04 * x
 
 
 DIFFUSIVITIES = {

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from febkit.solver import permeabilities, reactions
-from helpers.mixture_element import Element, Mixture, bound, mixture, rate, solute
+from febkit.solver import permeabilities, reactions, solubilities
+from febkit.solver.multiphasic.tangent import point_tangent
+from helpers.mixture_element import Element, Mixture, Wells, bound, mixture, rate, solute
 
 CONST = permeabilities.load("perm-const-iso")(perm=0.4)
 HOLMES_MOW = permeabilities.load("perm-Holmes-Mow")(perm=0.4, M=0.3, alpha=1.3)
@@ -85,3 +87,16 @@ def test_solid_bound_molecules_enter_by_their_rates() -> None:
     r = action("mass-action-forward", (1, 0, 1, 1), (0, 1, 0, 0))
     e = errors(mixture(ions(2, -1, 0), solid_bound=(bound(0, -1),), reactions=(r,)), passes=30)
     assert e["cc"] < 3e-3 and e["pc"] < 3e-3 and e["uc"] < 1e-2
+
+
+def test_the_tangent_leaves_the_state_alone() -> None:
+    """Manning's coefficients lag by an evaluation: one more within the tangent would move them."""
+    law = solubilities.load("solub-Manning")(ksi=1.4, co_ion=1, solub=Wells())
+    mix = mixture(tuple(replace(s, solubility=law) for s in ions(1, -1)))
+    e = Element(mix)
+    x = e.state()
+    force, before = e.force(x), e.fields.snapshot()
+    point_tangent(e.fields, slice(None), e.pts, np.zeros((e.pts.n, 3, 3)), np.zeros((e.pts.n, 6, 6)), e.now)
+    for name, kept in before.items():
+        np.testing.assert_array_equal(getattr(e.fields, name), kept, err_msg=name)
+    assert np.abs(e.force(x) - force).max() > 1e-6  # an evaluation does
