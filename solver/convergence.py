@@ -51,7 +51,9 @@ class Convergence:
         self.system, self.options = system, options
         self.least = options.min_residual
         parts = [(f, system.layout.equations(f, system.eqs.column)) for f in system.layout.fields]
-        self.fields = [(f, slice(None) if len(own) == system.eqs.n else own) for f, own in parts]
+        self.fields = [
+            (f, slice(None) if len(own) == system.eqs.n else own, options.tolerance(f)) for f, own in parts
+        ]
         # FEBio's norms of mixtures count a rigid body's displacement once for each node it carries, its rotation never
         self.weight: Floats | None = None
         if len(self.fields) > 1 and system.bodies is not None:
@@ -71,7 +73,7 @@ class Convergence:
         if self.first is None:
             self.residual, self.energy = dot(R0, R0), abs(dot(u, R0))
             self.most = self.energy
-            self.first = [self._square(u, own) for _, own in self.fields]
+            self.first = [self._square(u, own) for _, own, _ in self.fields]
         report, ok = self._norms(u, s, R1, U)
         for name, norm in report.items():  # of numbers too large to be squared: no test on them means anything
             if not (isfinite(norm.initial) and isfinite(norm.now)):
@@ -87,8 +89,8 @@ class Convergence:
         }
         ok = not (o.rtol > 0 and r1 > o.rtol * self.residual)
         ok = ok and not (o.etol > 0 and energy > o.etol * self.energy)
-        for (f, own), start in zip(self.fields, first, strict=True):
-            tol, now, total = o.tolerance(f), s * s * self._square(u, own), self._square(U, own)
+        for (f, own, tol), start in zip(self.fields, first, strict=True):
+            now, total = s * s * self._square(u, own), self._square(U, own)
             report[f.name] = Norm(start, now, tol * tol * total)
             ok = ok and not (tol > 0 and now > tol * tol * total)
         ok = ok and not (o.line_tolerance > 0 and s < o.line_minimum)

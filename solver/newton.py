@@ -113,7 +113,7 @@ class Newton:
         self.count.residuals += 1
         with self.clock("residual"):
             R = self.system.residual()
-        if not (self.system.finite and whole(R)):
+        if not self.system.finite:
             raise blame(self.system, "residual")
         return R
 
@@ -152,9 +152,9 @@ class Newton:
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
         out = self.system.targets(self.system.state.time)
-        bad = np.argwhere((self.system.eqs.kind == GIVEN) & ~np.isfinite(out))
-        if len(bad):
-            row, column = (int(i) for i in bad[0])
+        bad = (self.system.eqs.kind == GIVEN) & ~np.isfinite(out)
+        if bad.any():
+            row, column = (int(i) for i in np.argwhere(bad)[0])
             where = node(self.system.problem, row)
             raise NotFinite(f"the {self.system.layout.label(column)} prescribed on {where} is {out[row, column]:g}")
         return out

@@ -76,7 +76,7 @@ class Pattern:
         ties: Ties | None = None,
     ) -> None:  # fmt: skip
         self.eqs, self.symmetric = eqs, symmetric
-        self.lead, self.size = eqs.lead, eqs.size
+        self.lead = eqs.lead
         # matrix row of each nodal unknown, and equation of each prescribed one; -1 for the others
         at = np.where(eqs.eq >= 0, eqs.free[eqs.eq], -1) if eqs.n else eqs.eq
         self.row = np.ascontiguousarray(at, dtype=np.int32)

@@ -106,7 +106,6 @@ class NewtonOptions:
     tolerances: dict[str, float] = field(default_factory=dict)
     positive: bool = True  # concentrations below zero are taken as zero [force_positive_concentrations]
     max_reforms: int = 15
-    reform_each_step: bool = True
     reform_augment: bool = False
     diverge_reform: bool = True
     min_residual: float = 1e-20

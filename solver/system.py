@@ -231,15 +231,15 @@ class System:
 
     def _rates(self) -> None:
         s = self.state
-        du = s.u - s.u_old
         if self.dynamic:
+            du = s.u - s.u_old
             a = 1.0 / (self.beta * s.dt)
             s.acceleration = du * (a / s.dt) - s.velocity_old * a + s.acceleration_old * (1 - 0.5 / self.beta)
             s.velocity = s.velocity_old + s.dt * (
                 (1 - self.gamma) * s.acceleration_old + self.gamma * s.acceleration
             )
         elif len(s.layout.fields) > 1 and s.dt > 0:
-            s.velocity = du / s.dt
+            s.velocity = (s.u - s.u_old) / s.dt
         if self.bodies is not None:
             self.bodies.rates(s, self)
 
@@ -298,7 +298,7 @@ class System:
         for R in self._R[1:]:
             total += R
         if self.layout.moves:
-            s.reaction = -self.layout.u(total).copy()
+            s.reaction = -self.layout.u(total)
         for load in self.loads:
             load.residual(s, total)
         for load in self.body_loads:
@@ -307,9 +307,9 @@ class System:
             contact.residual(s, total)
         if self.dynamic:
             self._inertia(total)
-        self.finite = whole(total)  # forces at held and prescribed unknowns too, which no norm sees
         if self.ties is not None:
             self.ties.gather(s, total, self.alphaf)
+        self.finite = whole(total)  # forces at held and prescribed unknowns too, which no norm sees
         out = self.gather(total)
         out[self.eqs.given] = 0.0
         if self.dry is not None:
@@ -334,7 +334,8 @@ class System:
     # ---- tangent ----------------------------------------------------------------------------------
     def tangent(self, step: Floats) -> tuple[Matrix, Floats]:
         """The tangent, and minus its prescribed columns times the increments ``step`` (equations)."""
-        pat, A, Fd = self.pattern, self.matrix, np.zeros(self.eqs.n)
+        pat, Fd = self.pattern, np.zeros(self.eqs.n)
+        A = self._matrix
         A.data[:] = 0.0
         if self.ties is not None:
             self.ties.aim(self.state, self.alphaf)
@@ -354,11 +355,8 @@ class System:
         if self.alphaf != 1.0:
             A.data *= self.alphaf
             Fd *= self.alphaf
-        for load in [*self.loads, *self.body_loads]:
-            for K, nodes, columns in load.stiffness(self.state, self.carriers):
-                self._add(A, K, nodes, columns, step, Fd)
-        for contact in self.contacts:
-            for K, nodes, columns in contact.stiffness(self.state):
+        for a in self.acting:
+            for K, nodes, columns in a.stiffness(self.state, self.carriers):
                 self._add(A, K, nodes, columns, step, Fd)
         if self.dynamic:
             self._add_mass(A, step, Fd, self.alpham / (self.beta * self.state.dt**2))

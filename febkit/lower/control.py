@@ -163,7 +163,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     o.line_check_jacobians = c.bool("ls_check_jacobians")
     # FEBio tests the count after each reformation, and 0 means none is allowed
     o.max_reforms = c.int("max_refs", o.max_reforms)
-    o.reform_each_step = c.bool("reform_each_time_step", True)
+    c.bool("reform_each_time_step", True)  # it is, whatever the file says
     o.reform_augment = c.bool("reform_augment")
     o.diverge_reform = c.bool("diverge_reform", True)
     o.positive = c.bool("force_positive_concentrations", True)

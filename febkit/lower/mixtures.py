@@ -69,10 +69,11 @@ class _Reader:
         supply_law = None if supply is None else law(ctx, supply, supplies, part)
         if len(ctx.refused) > self.refused:
             return None
+        ctx.value(spec.child("fluid_density"), 0.0, part)  # a number; FEBio's balances do not have it
         R, T, Fc = (self._constant(k) for k in ("R", "T", "Fc"))
         return Mixture(
             perm, osmotic, taken, R, T, Fc,
-            ctx.value(spec.child("phi0"), 0.0, part), ctx.value(spec.child("fluid_density"), 0.0, part),
+            ctx.value(spec.child("phi0"), 0.0, part),
             ctx.value(spec.child("fixed_charge_density"), 0.0, part), spec.float("penalty", 1.0),
             self.kind == "biphasic-solute", supply_law, made, done, len(self.all_solutes), len(self.all_bound),
         )  # fmt: skip

@@ -33,7 +33,6 @@ class Mixture:
     T: float
     Fc: float = 0.0
     phi0: Value = field(default_factory=lambda: Constant(0.0))
-    fluid_density: Value = field(default_factory=lambda: Constant(0.0))
     fixed_charge: Value = field(default_factory=lambda: Constant(0.0))
     penalty: float = 1.0
     neutral: bool = False

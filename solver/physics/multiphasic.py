@@ -134,6 +134,10 @@ class MultiphasicWork(StandardWork):
         self.at.restore({k.removeprefix("mixture "): v for k, v in saved.items() if k.startswith("mixture ")})
 
     # ---- what others ask ----------------------------------------------------------------------------
+    def mass(self) -> tuple[Floats, Floats | None]:
+        """None: FEBio's body loads pass over mixtures with solutes, whatever the densities."""
+        return np.zeros((self.group.m, self.group.g)), None
+
     def permeability(self, pts: Points) -> Floats:
         k = np.zeros((pts.n, 6))
         self.mix.permeability.permeability(pts, self.mix.phi0(pts.t, pts.X, pts.e), k, None)

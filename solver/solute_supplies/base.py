@@ -10,11 +10,6 @@ from ..law import Floats, Law
 from ..points import Points
 
 
-def referential(J: Floats, phi0: Floats, ca: Floats) -> Floats:
-    """Moles of solute per referential mixture volume: (J - phi0) ca."""
-    return (J - phi0) * ca
-
-
 @dataclass(eq=False)
 class SoluteSupply(Law):
     """Moles of the solute of a biphasic-solute material made per referential volume and time, and what binds it.

@@ -48,6 +48,14 @@ def test_solute_is_carried_out_by_its_natural_flux(tmp_path: Path) -> None:
     assert closed["effective_solute_concentration"].sel(solute="Glc").values[-4:].min() > 1.5
 
 
+def test_body_loads_pass_over_mixtures_as_in_febio(tmp_path: Path) -> None:
+    heavy = GLUCOSE.replace("<phi0>", "<fluid_density>2</fluid_density><phi0>")
+    force = '<Loads><body_load type="body force"><force>0,0,0.5</force></body_load></Loads>'
+    foot = '<bc type="zero displacement" node_set="start"><x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof></bc>'
+    last = solve(deck(heavy, foot, steps=(2, 0.5), more=force), tmp_path).isel(time=-1)
+    assert float(np.abs(last["displacement"]).max()) == 0.0
+
+
 @pytest.mark.parametrize("osmcoef", [1.0, 0.9])
 def test_actual_pressures_follow_the_concentrations(osmcoef: float, tmp_path: Path) -> None:
     text = driven("").replace("<osmcoef>1<", f"<osmcoef>{osmcoef}<")
