@@ -6,6 +6,7 @@ from typing import Any
 
 _NAMES = {
     "METRICS": "cells",
+    "FIELDS": "fields",
     "cell_metrics": "cells",
     "element_fields": "fields",
     "select_cells": "selection",

@@ -31,10 +31,15 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 MODULES = ("solid", "biphasic", "solute", "multiphasic")
-MIXTURE = ("displacement", "effective fluid pressure", "fluid pressure", "stress", "Lagrange strain", "fluid flux")
+MIXTURE = (
+    "displacement", "reaction forces", "effective fluid pressure", "fluid pressure", "stress", "Lagrange strain",
+    "fluid flux",
+)  # fmt: skip
 PLOTS: dict[str, tuple[str, ...]] = {
-    "solid": ("displacement", "stress", "Lagrange strain"),
-    "biphasic": ("displacement", "effective fluid pressure", "stress", "Lagrange strain", "fluid flux"),
+    "solid": ("displacement", "reaction forces", "stress", "Lagrange strain"),
+    "biphasic": (
+        "displacement", "reaction forces", "effective fluid pressure", "stress", "Lagrange strain", "fluid flux",
+    ),
     "solute": (*MIXTURE, "effective solute concentration", "solute concentration", "solute flux"),
     "multiphasic": (
         *MIXTURE, "effective solute concentration", "solute concentration", "solute flux", "electric potential",

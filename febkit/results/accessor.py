@@ -112,26 +112,44 @@ class Results:
 
     def mean(self, variable: str, part: str | None = None) -> xr.DataArray:
         """(time[, component]) mean over the elements of a part or element set (all by default), weighted by their
-        deformed volumes."""
+        deformed volumes, of a variable ("stress", "stress:first") or an element field of :data:`febkit.metrics.FIELDS`,
+        which needs displacements alone ("principal_strain:first")."""
         from febkit.metrics.summary import mean
 
-        v = self._variable(variable.partition(":")[0])
-        word = variable.partition(":")[2]
-        return mean(self._ds, f"{v.name}:{word}" if word else str(v.name), part)
+        ds, scalar = self._of_elements(variable, part)
+        return mean(ds, scalar, part)
 
     def quantile(self, variable: str, q: float | Sequence[float], part: str | None = None) -> xr.DataArray:
         """(time[, quantile]) quantiles over the elements of a part or element set (all by default), weighted by their
-        deformed volumes, of a scalar or of a component: "stress:effective", "fluid_flux:z"."""
+        deformed volumes, of a scalar or of a component: "stress:effective", "fluid_flux:z", "effective_strain"."""
         from febkit.metrics.summary import summary
 
-        v = self._variable(variable.partition(":")[0])
-        word = variable.partition(":")[2]
         many = np.atleast_1d(np.asarray(q, dtype=float))
         if not ((many >= 0) & (many <= 1)).all():
             raise InputError(f"quantiles lie between 0 and 1, not at {q}")
-        found = summary(self._ds, f"{v.name}:{word}" if word else str(v.name), [part or ""], many)
+        ds, scalar = self._of_elements(variable, part)
+        found = summary(ds, scalar, [part or ""], many)
         out = found["quantiles"].isel(part=0, drop=True)
         return out if np.ndim(q) else out.isel(quantile=0)
+
+    def _of_elements(self, variable: str, part: str | None) -> tuple[xr.Dataset, str]:
+        """A dataset that holds the variable or element field that ``variable`` names, and its name there."""
+        from febkit.metrics import FIELDS, element_fields
+        from febkit.metrics.selection import part_rows
+
+        head, colon, word = variable.partition(":")
+        name, ds = head.strip().replace(" ", "_"), self._ds
+        if name not in FIELDS or name in ds.data_vars:
+            return ds, f"{self._variable(head).name}{colon}{word}"
+        rows = part_rows(ds, part) if part else np.arange(ds.sizes["element"])
+        found = element_fields(ds, {"asked": np.unique(rows)}, None, [name])
+        if name not in found:
+            raise InputError(f"{name} cannot be had from this result without its model: febkit.metrics.element_fields")
+        v, rows = found[name], found["element_row"].values
+        values = np.full((v.shape[0], ds.sizes["element"], *v.shape[2:]), np.nan)
+        values[:, rows] = v.values
+        labels = {"principal": ["first", "second", "third"]} if "principal" in v.dims else {}
+        return ds.assign({name: (v.dims, values, v.attrs)}).assign_coords(labels), f"{name}{colon}{word}"
 
     def probe(self, points: Any, variables: Sequence[str] | None = None) -> xr.Dataset:
         """(time, point[, component]) values at points (m, 3) of the reference configuration: nodal variables by the
