@@ -18,7 +18,8 @@ from febkit.solver.finite import NotFinite, whole
 from febkit.solver.result import Result
 from febkit.solver.run import Listener, Run
 
-from . import fields
+from . import plot
+from .plot.asked import Asked
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -63,63 +64,61 @@ class PlotListener(Listener):
 
     def __init__(self, model: Model, path: str | PathLike[str], warn: Callable[[str], None]) -> None:
         self.model = model
-        self.names: list[str] = []
-        variables: list[PlotVariable] = []
+        self.asked: list[tuple[Asked, plot.Give]] = []
+        self.variables: list[PlotVariable] = []
         mixture = bool(solutes(model))
-        for v in model.output.plot:
-            if v.type not in VARIABLES or v.surface or not fields.known(v.type, mixture):
-                warn(f'plot variable "{v.type}" is not computed by febkit and is left out')
-            elif v.type not in self.names:
-                self.names.append(v.type)
-                variables.append(self._variable(v.type))
+        for v in dict.fromkeys(map(Asked.of, model.output.plot)):
+            give = plot.find(v.name, mixture) if v.name in VARIABLES else None
+            if give is None:
+                warn(f'plot variable "{v.label}" is not computed by febkit and is left out')
+            else:
+                self.asked.append((v, give))
+                self.variables.append(self._variable(v))
         spec = model.output.plot_spec
         compress = spec is not None and spec.bool("compression")
         self.mesh = plot_mesh(model)
         self.writer = PlotWriter(
-            path, self.mesh, variables, compress=compress, software="febkit", units=model.units, live=False,
+            path, self.mesh, self.variables, compress=compress, software="febkit", units=model.units, live=False,
         )  # fmt: skip
         self.states = 0
+        self.view: plot.View | None = None
 
-    def _variable(self, name: str) -> PlotVariable:
+    def _variable(self, asked: Asked) -> PlotVariable:
         """The record of a variable; arrays over solutes and solid-bound molecules have the names of these."""
-        kind = fields.ARRAYS.get(name)
+        kind, known = plot.ARRAYS.get(asked.name), VARIABLES[asked.name]
         if kind is None:
-            return VARIABLES[name]
+            return replace(known, name=asked.label)
         names = tuple(s.name for s in (solutes if kind == "solute" else solid_bound)(self.model))
-        return replace(VARIABLES[name], n=len(names), array_names=names)
+        return replace(known, name=asked.label, n=len(names), array_names=names)
 
     def save(self, run: Run, status: int) -> None:
-        data: dict[str | int, Any] = {name: self._values(run, name) for name in self.names}
+        if self.view is None:
+            self.view = plot.View(run, self.model, self.mesh)
+        self.view.renew()
+        data: dict[str | int, Any] = {k: self._values(self.view, k) for k in range(len(self.asked))}
         self.writer.state(run.state.time, data, status)
         self.states += 1
         if run.totals.steps or not self.writer.output.replaces:
             self.writer.output.place()
 
-    def _values(self, run: Run, name: str) -> Any:
-        if VARIABLES[name].section == "node":
-            return {0: single(fields.NODAL[name](run)[: len(self.mesh.X)], name)}
-        if name in fields.SURFACE:
-            at = {s.name: k + 1 for k, s in enumerate(self.mesh.surfaces)}
-            return {at[s]: single(v, name) for s, v in fields.on_surfaces(run, name).items()}
+    def _values(self, view: plot.View, k: int) -> dict[int, Any]:
+        """Values of a variable by region."""
+        asked, give = self.asked[k]
+        section = self.variables[k].section
+        if section == "node":
+            v = give(view, *asked.more)
+            return {} if v is None else {0: single(v[: len(self.mesh.X)], asked.name)}
+        if section == "global":
+            v = give(view, *asked.more)
+            return {} if v is None else {0: single(v, asked.name)}
         out: dict[int, Any] = {}
-        nodal = fields.DOMAIN_NODAL.get(name)
-        groups = {g.block.name: g for g in run.groups}
-        for k, (part, domain) in enumerate(zip(self.model.domains, self.mesh.domains, strict=True)):
-            group = groups.get(part.block)
-            if group is None:  # a rigid part deforms nowhere
-                continue
-            if nodal is not None:
-                if nodal in group.fields:
-                    out[k + 1] = single(run.state.of(nodal)[domain.nodes()].squeeze(axis=-1), name)
-                continue
-            if name == fields.SOLUTES:
-                v: Any = fields.concentrations(run, group, domain.nodes())
-            elif name in fields.INTERPOLATED:
-                v = fields.interpolated(fields.INTERPOLATED[name](run), group)
-            else:
-                v = fields.domain(name)(group)
-            if v is not None:
-                out[k + 1] = single(v, name)
+        chosen = asked.surface if section == "surface" else asked.part
+        regions: list[Any] = view.faces if section == "surface" else view.parts
+        for number, region in enumerate(regions, start=1):
+            if chosen is None or region.name == chosen:
+                v = give(region, *asked.more)
+                if v is not None:
+                    out[number] = single(v, asked.name)
         return out
 
     def end(self, run: Run, result: Result) -> None:

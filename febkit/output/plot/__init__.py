@@ -1,0 +1,65 @@
+"""Plot variables by FEBio's names; a file is read when one of its names is first asked for.
+
+What a variable is given and returns is said in :mod:`.base`. What the physics of a part offers at its integration
+points under FEBio's name (``outputs`` of :mod:`febkit.solver.physics`) is written as means over elements.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from febkit.solver import physics
+
+from .base import Face, Give, Part, View, table
+from .base import mean as _mean
+
+FILES: dict[str, tuple[str, ...]] = {
+    "nodes": (
+        "displacement", "nodal velocity", "nodal acceleration", "reaction forces", "incremental displacement",
+    ),
+    "kinematics": (
+        "deformation gradient", "Lagrange strain", "infinitesimal strain", "Almansi strain", "right Cauchy-Green",
+        "left Cauchy-Green", "right stretch", "left stretch", "right Hencky", "left Hencky", "rate of deformation",
+        "relative volume", "nodal strain",
+    ),
+    "stresses": (
+        "PK1 stress", "PK2 stress", "s norm", "uncoupled pressure", "elasticity", "deviatoric elasticity",
+        "mixture stress", "nodal stress", "Drucker shear stress", "Drucker-Prager stress", "Deshpande-Fleck stress",
+    ),
+    "energies": (
+        "density", "specific strain energy", "deviatoric strain energy density", "mixture strain energy density",
+        "mixture deviatoric strain energy density", "mixture specific strain energy", "element strain energy",
+        "current element strain energy", "element stress power",
+    ),
+    "motion": (
+        "velocity", "acceleration", "kinetic energy density", "element kinetic energy",
+        "current element kinetic energy", "element center of mass", "current element center of mass",
+        "element linear momentum", "current element linear momentum", "element angular momentum",
+        "current element angular momentum", "total energy", "total linear momentum", "total angular momentum",
+    ),
+    "fluids": ("effective fluid pressure", "nodal fluid flux"),
+    "solutes": ("effective solute concentration",),
+    "contacts": ("contact gap", "contact pressure", "contact traction"),
+}  # fmt: skip
+_FILE = {name: file for file, names in FILES.items() for name in names}
+# arrays over the model's solutes, and over its solid-bound molecules
+ARRAYS = {
+    "effective solute concentration": "solute", "solute concentration": "solute", "partition coefficient": "solute",
+    "solute flux": "solute", "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
+}  # fmt: skip
+
+
+def find(name: str, solutes: bool = True) -> Give | None:
+    """What gives a variable, None where febkit has none of this name.
+
+    Physics that cannot be in a model (mixtures in one without ``solutes``) are not read.
+    """
+    if name in _FILE:
+        import_module(f"{__name__}.{_FILE[name]}")
+        return table[name]
+    if any(name in physics.load(p).work.outputs for p in physics.FILES if solutes or p != "multiphasic"):
+        return _mean(lambda part: part.at_points(name))
+    return None
+
+
+__all__ = ["ARRAYS", "FILES", "Face", "Give", "Part", "View", "find"]

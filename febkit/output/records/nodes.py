@@ -1,0 +1,32 @@
+"""<node_data>: positions, displacements, velocities, accelerations, reactions, any degree of freedom by its name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from febkit.model.sets import node_indices
+
+from . import Column, Ints, places
+
+if TYPE_CHECKING:
+    from febkit.model import LogEntry
+    from febkit.output.plot import View
+
+VECTORS = {"": "x", "u": "u", "v": "velocity", "a": "acceleration", "R": "reaction"}  # of the state, by prefix
+ALIASES = {"pe": "p", "c": "c1"} | {f"ce{k}": f"c{k}" for k in range(1, 9)}
+
+
+def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
+    mesh = view.model.mesh
+    chosen = mesh.node_ids[node_indices(mesh, entry.set, entry.where)] if entry.set else None
+    return places(entry, mesh.node_ids, chosen)
+
+
+def column(view: View, name: str, entry: LogEntry) -> Column | None:
+    if name and name[-1] in "xyz" and name[:-1] in VECTORS:
+        vector, k = VECTORS[name[:-1]], "xyz".index(name[-1])
+        return lambda: getattr(view.state, vector)[:, k]
+    dof = ALIASES.get(name, name)
+    if view.state.layout.has(dof):
+        return lambda: view.state.d[:, view.state.layout.column(dof)]
+    return None
