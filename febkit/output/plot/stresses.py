@@ -28,7 +28,7 @@ def cauchy(part: Part) -> Floats | None:
 @shared
 def inverse(part: Part) -> Floats:
     """F^-1 (m, g, 3, 3)."""
-    return np.linalg.inv(part.g.F)
+    return np.asarray(np.linalg.inv(part.g.F), float)
 
 
 def first(part: Part) -> Floats | None:
