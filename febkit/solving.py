@@ -43,9 +43,9 @@ def solve(
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
     factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.options.Options`). memory: GB that a factorisation may
     take before "auto" turns to the iterative solver; 0 for what the machine has left.
-    accuracy: relative error per step of steps of second order and of their own size, for transient biphasic models;
-    0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for the
-    mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
+    accuracy: relative error per step of steps of second order and of their own size, for transient models with
+    fluids; 0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for
+    the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
     ValueError for an option that means nothing.
@@ -155,8 +155,6 @@ def _check(options: Options, problem: Problem, model: Model) -> None:
             raise InputError(amg.MISSING)
         if problem.bodies:
             raise InputError('linear = "iterative" does not solve models with rigid bodies', place)
-    if options.stabilise and any(b.physics.name == "multiphasic" for b in problem.blocks):
-        raise InputError("stabilise: the projection that steadies pressures does not know solutes; leave it out", place)
     if options.accuracy:
         from febkit.solver.second_order import refusal
 

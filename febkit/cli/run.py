@@ -51,7 +51,7 @@ class FebioCommand(click.Command):
 @click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
               help="Keep factorisations over time steps, or renew them where FEBio does.")
 @click.option("--accuracy", type=Finite(0.0, 0.1), default=0.0, show_default="the file's steps",
-              help="Steps of second order and of their own size, of this relative error each (transient biphasic).")
+              help="Steps of second order and of their own size, of this relative error each (transient, with fluids).")
 @click.option("--stabilise", is_flag=True, help="Steady the pressure where steps are too small for the mesh.")
 @click.option("--data-anywhere", is_flag=True,
               help="Let the model write data files outside the folder of the log.")

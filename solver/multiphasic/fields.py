@@ -1,7 +1,8 @@
 """What a mixture keeps at its points, and how it is brought up to date.
 
 Within an iteration solid-bound molecules follow the reaction rates of the last evaluation, by the trapezoidal rule over
-the step (FEBio's order, explicit in the iteration and implicit in the step once it has converged).
+the step (FEBio's order, explicit in the iteration and implicit in the step once it has converged). Stages of steps of
+second order (:mod:`..second_order`) are backward Euler for them too, and evaluated until nothing lags.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..law import Floats
 from ..points import Points
+from ..solubilities.base import Solubility
 from .flow import diffusivities, flow
 from .material import Mixture
 from .partition import partition
@@ -22,6 +24,7 @@ STATE = (
     "J", "p", "gp", "c", "gc", "ca", "kappa", "dkdJ", "dkdc", "y", "phi0", "cF", "pa", "w", "j", "bound", "rate",
     "complex", "complex_rate", "J_old", "stored_old", "bound_old", "rate_old", "complex_old", "complex_rate_old",
 )  # fmt: skip
+EVALUATIONS, SETTLED = 50, 1e-13  # of what lags: the most there are, and the relative change that ends them
 
 
 @dataclass(slots=True)
@@ -66,6 +69,15 @@ class Fields:
         self.stored_old, self.J_old = zeros(m), np.ones(n)
         self.bound_old, self.rate_old = self.bound.copy(), self.rate.copy()
         self.complex_old, self.complex_rate_old = zeros(), zeros()
+        self.end = 0.5  # weight of the step's end in the rates of what is bound
+        self.settles = False  # is the state evaluated until nothing lags?
+
+    def stages(self) -> None:
+        """Steps are stages of backward Euler from here on."""
+        self.end = 1.0
+        mix = self.mix
+        varies = any(type(s.solubility).slopes is not Solubility.slopes for s in mix.solutes)
+        self.settles = varies or mix.binds or bool(mix.reactions and mix.solid_bound) or bool(self.fixed.any())
 
     def solution(self, q: slice) -> Solution:
         """The solution at the points ``q`` (views)."""
@@ -78,6 +90,15 @@ class Fields:
     # ---- the state ------------------------------------------------------------------------------------
     def update(self, q: slice, pts: Points, values: Floats, now: Instant | None) -> None:
         """Take p, c and their gradients ``values`` (n, 4, 1 + m) at the points ``q``; ``now`` None: at the start."""
+        self._evaluate(q, pts, values, now)
+        for _ in range(EVALUATIONS if self.settles and now is not None else 0):
+            before = [a[q].copy() for a in (self.bound, self.kappa, self.complex, self.phi0)]
+            self._evaluate(q, pts, values, now)
+            after = (self.bound, self.kappa, self.complex, self.phi0)
+            if all(np.allclose(a[q], b, SETTLED, SETTLED * np.abs(b).max(initial=0.0)) for a, b in zip(after, before)):
+                break
+
+    def _evaluate(self, q: slice, pts: Points, values: Floats, now: Instant | None) -> None:
         mix, sol = self.mix, self.solution(q)
         self.J[q] = pts.J
         if now is not None and mix.solid_bound and mix.reactions:
@@ -103,7 +124,8 @@ class Fields:
 
     def _react(self, q: slice, pts: Points, sol: Solution, now: Instant) -> None:
         self.rate[q] = self._production(pts, sol)
-        bound = self.bound_old[q] + 0.5 * now.dt * (self.rate[q] + self.rate_old[q])
+        rate = self.end * self.rate[q] + (1.0 - self.end) * self.rate_old[q]
+        bound = self.bound_old[q] + now.dt * rate
         for i, s in enumerate(self.mix.solid_bound):
             self.bound[q, i] = np.clip(bound[:, i], s.rhomin, s.rhomax if s.rhomax > 0.0 else None)
 
@@ -133,19 +155,29 @@ class Fields:
             self.complex[q] = law.bound_at_rest(pts, cr)
             return
         self.complex_rate[q] = law.binding(pts, cr, self.complex[q])
-        self.complex[q] = self.complex_old[q] + 0.5 * now.dt * (self.complex_rate[q] + self.complex_rate_old[q])
+        rate = self.end * self.complex_rate[q] + (1.0 - self.end) * self.complex_rate_old[q]
+        self.complex[q] = self.complex_old[q] + now.dt * rate
 
     def begin_step(self, pts: Points) -> None:
         """The present state becomes the last converged one."""
         sol = self.solution(slice(None))
         self.J_old[:] = self.J
-        porosity = np.maximum(1.0 - self.phi0 / self.J, 0.0)
-        self.stored_old[:] = (self.J * porosity)[:, None] * self.ca
+        self.stored_old[:] = self.stored()
         self.bound_old[:], self.rate_old[:] = self.bound, self.rate
         self.complex_old[:], self.complex_rate_old[:] = self.complex, self.complex_rate
         for r in self.mix.reactions:
             for k in r.rates:
                 k.begin_step(pts, sol)
+
+    def stored(self) -> Floats:
+        """Moles of the solutes per referential volume (n, m)."""
+        porosity = np.maximum(1.0 - self.phi0 / self.J, 0.0)
+        return np.asarray((self.J * porosity)[:, None] * self.ca)
+
+    def rates(self) -> list[tuple[Floats, Floats]]:
+        """What rates are differences of: at the last converged state, and now."""
+        own = [(self.bound_old, self.bound), (self.complex_old, self.complex)]
+        return [(self.J_old, self.J), (self.stored_old, self.stored()), *own]
 
     def snapshot(self) -> dict[str, Floats]:
         """Copies of all that a step changes."""

@@ -88,6 +88,14 @@ class Work:
         """What rates are differences of: arrays (at the last converged state, now)."""
         return []
 
+    def stages(self) -> None:
+        """Steps are made of stages of backward Euler (:mod:`..second_order`), which all that has a rate follows."""
+
+    def hidden(self) -> list[Floats]:
+        """What has a rate of its own and is no nodal field: arrays at the points, whose error is watched like the
+        fields'."""
+        return []
+
     def augment(self, done: int) -> bool:
         """One augmentation of multipliers after ``done`` others; have they converged?"""
         return True

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..fields import DISPLACEMENT, PRESSURE, Field
-from ..kernels import biphasic, blocks, projection
+from ..kernels import biphasic, blocks
 from ..points import Points
 from ..tangent import upper_blocks
 from ..values import Constant, Value
 from . import register
 from .base import Floats, Physics, Work
 from .standard import StandardWork
+from .steadied import Steadied
 
 if TYPE_CHECKING:
     from ..group import Chunk, Group
@@ -60,10 +61,9 @@ class BiphasicWork(StandardWork):
         m, g = group.m, group.g
         self.mixture = physics
         self.Jp = np.ones((m, g))
-        self.pgp = _NONE  # pressures at the last converged state, for the projection alone
         self.pg, self.gp, self.w = np.zeros((m, g)), np.zeros((m, g, 3)), np.zeros((m, g, 3))
         self.supply = np.zeros((m, g)) if physics.supply is not None else _NONE
-        self.steady_pressure: Floats | None = None  # coefficient of the projection (m,)
+        self.steadied = Steadied(group)
 
     def symmetric(self, steady: bool) -> bool:
         mix = self.mixture
@@ -71,15 +71,7 @@ class BiphasicWork(StandardWork):
         return own and not steady
 
     def stabilise(self, tau: float) -> None:
-        """Steady the pressure by projection (:mod:`..kernels.projection`), c from the moduli at rest."""
-        g = self.group
-        pts = g.at_rest()
-        s, C = np.zeros((pts.n, 6)), np.zeros((pts.n, 6, 6))
-        g.block.solid.stress(pts, s, C)
-        diagonal = C[:, range(6), range(6)].reshape(g.m, g.g, 6).mean(axis=1)
-        shear, aggregate = diagonal[:, 3:].mean(axis=1), diagonal[:, :3].mean(axis=1)
-        self.pgp = np.zeros((g.m, g.g))
-        self.steady_pressure = tau * np.maximum(0.5 / shear, 3.0 / aggregate)
+        self.steadied.begin(tau)
 
     # ---- laws -------------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
@@ -128,8 +120,8 @@ class BiphasicWork(StandardWork):
             lo, hi, g.conn, g.N, g.dN, g.iJ0, g.wJ0, g.F, g.J, self.Jp, self.s, self.pg, self.w, self.supply,
             state.dt, steady, Ru, Rp,
         )  # fmt: skip
-        if self.steady_pressure is not None and not steady:
-            projection.force(lo, hi, g.conn, g.N, g.wJ0, self.steady_pressure, self.pg, self.pgp, Rp)
+        if not steady:
+            self.steadied.force(lo, hi, self.pg, Rp)
 
     def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
         q = (c.hi - c.lo) * self.group.g
@@ -147,11 +139,10 @@ class BiphasicWork(StandardWork):
     ) -> None:  # fmt: skip
         """The tangents of elements lo:hi."""
         g, n, nd = self.group, hi - lo, 4 * self.group.n
-        stab = None if steady else self.steady_pressure
         if g.block.solid.symmetric:
             B, U = upper_blocks(g, lo, hi, laws.s, laws.C, work, (self.pg, laws.k, dt))
-            if stab is not None:
-                projection.tangent(lo, hi, g.N, g.wJ0, stab, B, 6 * g.n, 0)
+            if not steady:
+                self.steadied.tangent(lo, hi, B, 6 * g.n, 0)
             if target.pat.symmetric and laws.dk is None and laws.supply is None and not steady:
                 target.add_blocks(g, lo, hi, B, U)
                 return
@@ -161,8 +152,8 @@ class BiphasicWork(StandardWork):
             K = work.take("K", n, nd, nd)
             se, Ce = laws.s.reshape(-1, g.g, 6), laws.C.reshape(-1, g.g, 6, 6)
             biphasic.stiffness(lo, hi, g.N, *g.geometry, se, Ce, self.pg, laws.k, dt, steady, K)
-            if stab is not None:
-                projection.tangent(lo, hi, g.N, g.wJ0, stab, K, 3 * g.n, 3 * g.n)
+            if not steady:
+                self.steadied.tangent(lo, hi, K, 3 * g.n, 3 * g.n)
         if laws.dk is not None:
             biphasic.permeability_coupling(lo, hi, *g.geometry, self.gp, laws.dk, dt, K)
         if laws.supply is not None:
@@ -175,12 +166,10 @@ class BiphasicWork(StandardWork):
 
     def begin_step(self, state: State) -> None:
         self.Jp = self.group.J.copy()
-        if self.steady_pressure is not None:
-            self.pgp = self.pg.copy()
+        self.steadied.begin_step(self.pg)
 
     def rates(self) -> list[tuple[Floats, Floats]]:
-        out = [(self.Jp, self.group.J)]
-        return out if self.steady_pressure is None else [*out, (self.pgp, self.pg)]
+        return [(self.Jp, self.group.J), *self.steadied.rates(self.pg)]
 
     # ---- what others ask --------------------------------------------------------------------------
     def mass(self) -> tuple[Floats, Floats | None]:

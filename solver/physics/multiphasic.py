@@ -25,6 +25,7 @@ from ..points import Points
 from . import register
 from .base import Floats, Physics, Work
 from .standard import StandardWork
+from .steadied import Steadied
 
 if TYPE_CHECKING:
     from ..group import Chunk, Group
@@ -44,12 +45,13 @@ class MultiphasicWork(StandardWork):
         self.at = Fields(self.mix, group.points())
         self.started = False
         self.scalars = group.columns[DISPLACEMENT.width :]
+        self.steadied = Steadied(group)
 
     def symmetric(self, steady: bool) -> bool:
         return False
 
     def stabilise(self, tau: float) -> None:
-        raise ValueError("the projection that steadies pressures does not know solutes")
+        self.steadied.begin(tau)
 
     # ---- pieces -------------------------------------------------------------------------------------
     def _at(self, lo: int, hi: int, state: State) -> tuple[slice, Points]:
@@ -98,6 +100,8 @@ class MultiphasicWork(StandardWork):
         stress = self.at.stress(q, pts, self._stress(q), Instant(state.dt, steady))
         f = forces(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], stress)
         subtract(lo, hi, g.conn, g.columns, f, R)
+        if not steady:
+            self.steadied.force(lo, hi, self._points(self.at.p), state.layout.scalar(R, PRESSURE.name))
 
     def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
         g = self.group
@@ -109,6 +113,8 @@ class MultiphasicWork(StandardWork):
             q, pts = self._at(lo, hi, state)
             A = point_tangent(self.at, q, pts, self._stress(q), C[(lo - c.lo) * g.g : (hi - c.lo) * g.g], now)
             K = matrices(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], A)
+            if not steady:
+                self.steadied.tangent(lo, hi, K, 3 * g.n, 3 * g.n)
             if target.pat.symmetric:  # FEBio's symmetric stiffness of a mixture is the mean of the two triangles
                 K = 0.5 * (K + K.transpose(0, 2, 1))
             target.add(g, lo, hi, K)
@@ -123,6 +129,16 @@ class MultiphasicWork(StandardWork):
             state.time = end
             self.started = True
         self.at.begin_step(pts)
+        self.steadied.begin_step(self._points(self.at.p))
+
+    def rates(self) -> list[tuple[Floats, Floats]]:
+        return [*self.at.rates(), *self.steadied.rates(self._points(self.at.p))]
+
+    def stages(self) -> None:
+        self.at.stages()
+
+    def hidden(self) -> list[Floats]:
+        return [*self.at.bound.T, *([self.at.complex] if self.mix.binds else [])]
 
     def snapshot(self) -> dict[str, Floats]:
         own = {f"mixture {k}": v for k, v in self.at.snapshot().items()}
