@@ -13,6 +13,9 @@ from febkit.solver.problem import Fixed, Initial, Prescribed
 from . import deformations
 from .context import FACETS, Context
 
+#: the scalar degrees of freedom of the back faces of shells, and the same of the front
+FRONT = {"q": "p", **{f"d{k}": f"c{k}" for k in range(1, 9)}}
+
 
 def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Prescribed]:
     """Boundary conditions in file order."""
@@ -20,7 +23,7 @@ def conditions(ctx: Context, specs: tuple[Component, ...]) -> list[Fixed | Presc
     for c in specs:
         if c.type in ("rigid", "linear constraint"):  # read by rigid.fill and ties.condition
             continue
-        make = READERS.get(c.type or "")
+        make = READERS.get(c.type or "") or OLD.get(c.type or "")
         if make is None:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
         else:
@@ -48,15 +51,15 @@ def _zero_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     return [Fixed(ctx.column("p", c), _nodes(ctx, c))] if ctx.layout.has("p") else []
 
 
-def _prescribed(ctx: Context, c: Component, column: int) -> list[Fixed | Prescribed]:
+def _prescribed(ctx: Context, c: Component, column: int, back: bool = False) -> list[Fixed | Prescribed]:
+    """``back``: the degree of freedom is one of the back faces of shells."""
     ctx.check_tags(c, {"dof", "value", "relative"})
-    nodes = _nodes(ctx, c)
-    value = ctx.value(c.child("value"), 0.0, c.attrs.get("node_set", ""))
-    return [Prescribed(column, nodes, value, c.bool("relative"))]
+    value = ctx.value(c.child("value"), 0.0, "" if back else c.attrs.get("node_set", ""))
+    return [Prescribed(column, (_back if back else _nodes)(ctx, c), value, c.bool("relative"))]
 
 
 def _back(ctx: Context, c: Component) -> np.ndarray:
-    """Back nodes of a condition on shell displacements."""
+    """Back nodes of a condition on the back faces of shells."""
     back = ctx.back[_nodes(ctx, c)]
     return np.asarray(back[back >= 0])
 
@@ -68,10 +71,12 @@ def _zero_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
 
 
 def _prescribed_shell(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
-    ctx.check_tags(c, {"dof", "value", "relative"})
     column = ctx.column(c.need("dof").as_choice({f"s{axis}": axis for axis in "xyz"}), c)
-    nodes = _back(ctx, c)
-    return [Prescribed(column, nodes, ctx.value(c.child("value"), 0.0), c.bool("relative"))]
+    return _prescribed(ctx, c, column, back=True)
+
+
+def _prescribed_shell_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    return _prescribed(ctx, c, ctx.column("p", c), back=True)
 
 
 def _prescribed_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
@@ -82,10 +87,31 @@ def _prescribed_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]
     return _prescribed(ctx, c, ctx.column("p", c))
 
 
-def _concentration(ctx: Context, c: Component, leaf: Component) -> int:
-    """Column of a concentration by FEBio's name of it, "c1", or by the name of its solute."""
+def _concentration(ctx: Context, c: Component, leaf: Component, back: bool = False) -> int:
+    """Column of a concentration by FEBio's name of it, "c1" (at the back of shells: "d1"), or by that of its solute."""
     dof = leaf.text.strip()
+    dof = FRONT.get(dof, dof) if back else dof
     return ctx.column(dof if ctx.layout.has(dof) else species.dof(ctx.model, dof), c)
+
+
+def _of_shells(ctx: Context, c: Component, dof: str) -> int:
+    """Column of a degree of freedom of the back faces of shells, q or d1, d2, ..."""
+    if dof not in FRONT:
+        raise InputError(f'{c.what} knows the degrees of freedom {", ".join(FRONT)}, not "{dof}"', c.where)
+    return ctx.column(FRONT[dof], c)
+
+
+def _fix(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    """Versions before 4.0 fix q and d by this type; it stays, for 4.0 has none for them."""
+    ctx.check_tags(c, {"dofs"})
+    return [Fixed(_of_shells(ctx, c, d), _back(ctx, c)) for d in c.need("dofs").text.replace(",", " ").split()]
+
+
+def _prescribe(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    """Versions before 4.0 prescribe d by this type, ``scale`` being its value; it stays, for 4.0 has none for it."""
+    ctx.check_tags(c, {"dof", "scale", "relative"})
+    value = ctx.value(c.child("scale"), 1.0)
+    return [Prescribed(_of_shells(ctx, c, c.need("dof").text.strip()), _back(ctx, c), value, c.bool("relative"))]
 
 
 def _zero_concentration(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
@@ -101,10 +127,10 @@ def _following(ctx: Context, c: Component) -> tuple[np.ndarray, tuple[tuple[Patc
     """Nodes of a surface, and its facets with the elements behind them."""
     from .contact import behind
 
-    if c.bool("shell_bottom"):
-        ctx.refuse(f'<shell_bottom> of <{c.tag} type="{c.type}">', c.need("shell_bottom").where)
     conns = {k: v for k, v in surface(ctx.model.mesh, c.attrs.get("surface", ""), c.where).facets.items() if len(v)}
     owners = behind(ctx, c, conns)
+    if c.bool("shell_bottom"):
+        conns = ctx.bottoms(c, conns)
     nodes = np.unique(np.concatenate([v.ravel() for v in conns.values()]))
     return nodes, tuple(zip(patches(conns, ctx.X), (owners[k] for k in conns), strict=True))
 
@@ -132,6 +158,7 @@ READERS = {
     "prescribed shell displacement": _prescribed_shell,
     "zero fluid pressure": _zero_pressure,
     "prescribed fluid pressure": _prescribed_pressure,
+    "prescribed shell fluid pressure": _prescribed_shell_pressure,
     "prescribed deformation": deformations.deformation,
     "prescribed deformation 2O": deformations.second_order,
     "normal displacement": deformations.normal,
@@ -139,6 +166,7 @@ READERS = {
     "zero concentration": _zero_concentration,
     "prescribed concentration": _prescribed_concentration,
 }
+OLD = {"fix": _fix, "prescribe": _prescribe}  # of which version 4.0 has no other
 
 
 def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
@@ -152,6 +180,11 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
             out += [Initial(ctx.column(axis, c), nodes, x, velocity=rate) for axis, x in zip("xyz", v)]
         elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
             out.append(Initial(ctx.column("p", c), _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
+        elif kind == "initial shell fluid pressure":
+            out.append(Initial(ctx.column("p", c), _back(ctx, c), ctx.value(c.child("value"), 0.0)))
+        elif kind == "initial shell concentration":
+            column = _concentration(ctx, c, c.need("dof"), back=True)
+            out.append(Initial(column, _back(ctx, c), ctx.value(c.child("value"), 0.0)))
         elif kind == "initial concentration" or (kind == "init_dof" and c.need("dof").text.strip().startswith("c")):
             column = _concentration(ctx, c, c.need("dof"))
             out.append(Initial(column, _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))

@@ -84,6 +84,13 @@ class Context:
             raise InputError(f'{c.what}: a "{self.model.module}" model has no {what}', c.where)
         return self.layout.column(dof)
 
+    def bottoms(self, c: Component, conns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Facets on the back faces of shells, where ``c`` has <shell_bottom>. Raises InputError where there is none."""
+        out = {k: self.back[v] for k, v in conns.items()}
+        if any((v < 0).any() for v in out.values()):
+            raise InputError(f'<shell_bottom>: a facet of "{c.attrs.get("surface", "")}" is no shell', c.where)
+        return out
+
     # ---- controllers ------------------------------------------------------------------------------
     def controller(self, number: int, leaf: Component) -> Controller:
         """The load controller of this id, which ``leaf`` names, as a function of time."""

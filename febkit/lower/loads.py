@@ -67,9 +67,7 @@ def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
     on = surface(ctx.model.mesh, name, c.where)
     conns = dict(on.facets)
     if c.bool("shell_bottom"):
-        conns = {k: ctx.back[v] for k, v in conns.items()}
-        if any((v < 0).any() for v in conns.values()):
-            raise InputError(f'<shell_bottom>: a facet of "{name}" is no shell', c.where)
+        conns = ctx.bottoms(c, conns)
     return patches(conns, ctx.X, _order(on))
 
 
@@ -135,7 +133,7 @@ def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
     ref = c.attrs.get("node_set", "")
     nodes = node_indices(ctx.model.mesh, ref, c.where)
     if c.bool("shell_bottom"):
-        nodes = ctx.back[nodes]
+        nodes = _backs(ctx, c, nodes)
     X = ctx.X[nodes]
     cls = records.load(c.type or "")
     relative = c.bool("relative")
@@ -151,14 +149,23 @@ def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
     return readers[c.type or ""]()
 
 
+def _backs(ctx: Context, c: Component, nodes: np.ndarray) -> np.ndarray:
+    """Back nodes of a load on the back faces of shells."""
+    back = ctx.back[nodes]
+    if (back < 0).any():
+        node = ctx.model.mesh.node_ids[nodes[int(np.argmax(back < 0))]]
+        raise InputError(f"{c.what} is on the back of shells; node {node} is in none", c.where)
+    return np.asarray(back)
+
+
 def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, relative: bool) -> Any:
     dof = c.need("dof").text.strip()
     leaf = c.child("scale") or c.need("value")
+    if dof in ("sx", "sy", "sz", "q"):
+        nodes, dof = _backs(ctx, c, nodes), dof[1:] or "p"
+        X = ctx.X[nodes]
     if dof == "p":  # FEBio multiplies loads on the pressure by the step size
         return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf))
-    if dof in ("sx", "sy", "sz"):
-        nodes, dof = ctx.back[nodes], dof[1]
-        X = ctx.X[nodes]
     if dof not in ("x", "y", "z"):
         ctx.refuse(f"a nodal load on {dof}", c.where)
         dof = "x"

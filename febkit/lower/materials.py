@@ -63,7 +63,7 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     from febkit.solver import elements
 
     mesh = ctx.blocks[d.block]
-    if d.kind == "shell" and not shells.check(ctx, d):
+    if d.kind == "shell" and not shells.check(ctx, d, spec.type or ""):
         return None
     if d.kind == "solid" and mesh.type not in elements.VOLUMES:
         ctx.refuse(f"element type {mesh.type}", mesh.where)
@@ -94,9 +94,7 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
         solid.mat_axis = _axes().mat_axis(ctx, own, d.block)
     if d.kind == "solid":
         _formulation(ctx, d, block, mixture is not None)
-    elif mixture is not None:
-        ctx.refuse(f'a {top.type} shell (part "{d.block}")', d.where)
-    elif solid.uncoupled and shells.three_field(d, mesh.type):
+    elif mixture is None and solid.uncoupled and shells.three_field(d, mesh.type):
         block.physics = physics.load("three-field")()
     return block
 

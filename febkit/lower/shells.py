@@ -11,18 +11,23 @@ from febkit.solver.shells import Shell, Solid, thicken
 
 from .context import Context
 
-#: formulations of <ShellDomain type=>; "" is FEBio's choice
-FORMULATIONS = frozenset({"", "elastic-shell", "three-field-shell"})
-OPTIONS = frozenset({"shell_thickness", "shell_normal_nodal", "secant_stress", "secant_tangent", "elem_type"})
+#: formulations of <ShellDomain type=> by the material's type; where none is said it is FEBio's choice
+MIXTURES = {m: (f"{m}-shell",) for m in ("biphasic", "biphasic-solute", "multiphasic")}
+ELASTIC = ("elastic-shell", "three-field-shell")
+OPTIONS = frozenset({"shell_thickness", "shell_normal_nodal", "secant_stress", "secant_tangent",
+                     "secant_permeability_tangent", "elem_type"})  # fmt: skip
 
 
-def check(ctx: Context, d: Domain) -> bool:
-    """Refuse what shells cannot do; True where nothing is refused."""
+def check(ctx: Context, d: Domain, material: str) -> bool:
+    """Refuse what shells of a material cannot do; True where nothing is refused."""
     before, facet = len(ctx.refused), ctx.blocks[d.block].type
     if f"shell_{facet}" not in elements.SHELLS:
         ctx.refuse(f"shell element type {facet}", d.where)
-    if (d.type or "") not in FORMULATIONS:
-        ctx.refuse(f'<ShellDomain type="{d.type}">', d.where)
+    if material == "triphasic":
+        message = f'part "{d.block}": FEBio has no triphasic shells; a multiphasic material does the same'
+        raise InputError(message, d.where)
+    if d.type and d.type not in (MIXTURES.get(material) or ELASTIC):
+        ctx.refuse(f'<ShellDomain type="{d.type}"> of a {material} material', d.where)
     if d.spec is not None:
         ctx.check_tags(d.spec, OPTIONS)
         leaf = d.spec.child("shell_normal_nodal")

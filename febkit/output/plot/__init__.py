@@ -39,6 +39,10 @@ FILES: dict[str, tuple[str, ...]] = {
     ),
     "fluids": ("effective fluid pressure", "nodal fluid flux"),
     "solutes": ("effective solute concentration",),
+    "shells": (
+        "shell displacement", "nodal shell director", "effective shell fluid pressure",
+        "effective shell solute concentration", "shell director", "shell thickness",
+    ),
     "contacts": ("contact gap", "contact pressure", "contact traction"),
 }  # fmt: skip
 _FILE = {name: file for file, names in FILES.items() for name in names}

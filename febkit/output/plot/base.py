@@ -54,7 +54,7 @@ class View:
     """A state of a run. ``kept`` holds what variables share, until the next state."""
 
     def __init__(self, run: Run, model: Model, mesh: PlotMesh) -> None:
-        self.run, self.model = run, model
+        self.run, self.model, self.mesh = run, model, mesh
         self.kept: dict[object, Any] = {}
         groups = {g.block.name: g for g in run.groups}
         named = model.domains

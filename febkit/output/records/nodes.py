@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from febkit.output.plot import View
 
 VECTORS = {"": "x", "u": "u", "v": "velocity", "a": "acceleration", "R": "reaction"}  # of the state, by prefix
+BACK = {"q": "p"} | {f"d{k}": f"c{k}" for k in range(1, 9)} | {f"s{a}": a for a in "xyz"}  # of the backs of shells
 ALIASES = {"pe": "p", "c": "c1"} | {f"ce{k}": f"c{k}" for k in range(1, 9)}
 
 
@@ -29,4 +30,8 @@ def column(view: View, name: str, entry: LogEntry) -> Column | None:
     dof = ALIASES.get(name, name)
     if view.state.layout.has(dof):
         return lambda: view.state.d[:, view.state.layout.column(dof)]
+    if view.state.layout.has(BACK.get(name, "")):
+        from febkit.output.plot.shells import of_nodes
+
+        return lambda: of_nodes(view, view.state.d)[:, view.state.layout.column(BACK[name])]
     return None
