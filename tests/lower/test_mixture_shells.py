@@ -26,7 +26,7 @@ WRITTEN = "".join(
     f'<var type="{v}"/>'
     for v in (
         "effective shell fluid pressure", "effective shell solute concentration['Glc']", "fluid flux",
-        "shell displacement",
+        "shell displacement", "nodal shell director", "shell director", "shell thickness",
     )
 )  # fmt: skip
 
@@ -161,6 +161,16 @@ def test_fluid_flows_down_the_pressure_s_gradient(tmp_path: Path) -> None:
     np.testing.assert_allclose(last["fluid_flux"].values, [[0, 0, K * 0.2 / H]], rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(last["effective_shell_fluid_pressure"].values, 0.2, rtol=1e-6)
     np.testing.assert_allclose(last["fluid_pressure"].values, 0.1, rtol=1e-6)
+    np.testing.assert_allclose(last["nodal_shell_director"].values, [[0, 0, H]] * 4, atol=1e-7)
+    np.testing.assert_allclose(last["shell_director"].values.reshape(-1, 3), [[0, 0, H]] * 4, atol=1e-7)
+    np.testing.assert_allclose(last["shell_thickness"].values, H, rtol=1e-6)
+
+
+def test_data_of_nodes_behind(tmp_path: Path) -> None:
+    log = '<logfile><node_data data="p;q;sz" file="q.csv" delim=","/></logfile></Output>'
+    q = bc("prescribed shell fluid pressure", "all", "0.2")
+    solve(plate(DRAINED + q).replace("</Output>", log), tmp_path)
+    assert (tmp_path / "q.csv").read_text().splitlines()[-4:] == [f"{n},0,0.2,0" for n in (1, 2, 3, 4)]
 
 
 @pytest.mark.parametrize(("load", "w"), [(flux("fluid", 0.03), 0.03), (nodal("q", 0.03 / 4), -0.03)])

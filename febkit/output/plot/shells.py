@@ -1,6 +1,6 @@
 """What is at the back faces of shells, and how thick these are.
 
-The back face of a shell has nodes of its own (:mod:`febkit.solver.shells`); FEBio writes their values at the nodes in front.
+Back faces have nodes of their own (:mod:`febkit.solver.shells`), whose values FEBio writes at the nodes in front.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def behind(view: View) -> Ints:
 
 
 def of_nodes(view: View, nodal: Floats) -> Floats:
-    """Values (node, ...) of a nodal array behind the nodes of the mesh, zero where nothing is behind."""
-    back = behind(view)
-    out = np.zeros((len(back), *nodal.shape[1:]))
-    out[back >= 0] = nodal[back[back >= 0]]
+    """Values of a nodal array (node, ...) behind the nodes, zero where nothing is behind."""
+    back, out = behind(view), np.zeros_like(nodal)
+    front = np.flatnonzero(back >= 0)
+    out[front] = nodal[back[front]]
     return out
 
 
