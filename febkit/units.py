@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from febkit.record import value_record
 
 if TYPE_CHECKING:
     from febkit.model import InputError
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 _SYMBOLS = ("L", "M", "t", "T", "I", "n", "F", "P", "E", "W", "V", "c", "R", "r", "d")
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class System:
     """A unit system by FEBio's name of it; ``units`` of each symbol (FECore/units.h)."""
 

@@ -224,7 +224,7 @@ _INTERPOLATE: dict[str, Callable[[Floats, Floats], Function]] = {
 Extension = Literal["zero", "constant", "repeat"]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Interval:
     """A function of time on an interval, extended on either side (FEBio's "math-interval" controller)."""
 

@@ -24,14 +24,14 @@ class NotConverged(RuntimeError):
     """This time step did not converge; the message says why, in words for the user."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Norm:
     initial: float
     now: float
     required: float
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Iteration:
     """What one iteration reports: counters, line search step and norms."""
 

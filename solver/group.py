@@ -38,7 +38,7 @@ class NegativeJacobian(ElementFailure):
         super().__init__(f"element {element} of part {part!r} turned inside out (negative Jacobian)")
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Chunk:
     lo: int
     hi: int

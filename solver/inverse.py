@@ -25,7 +25,7 @@ EXACT = 5e-3  # of K^-1 by GMRES
 LEAST, MOST = 5, 12  # bounds of the iterations of Newton given to an old factorisation before a new one is made
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Factor:
     """A factorisation and the step size it was made for."""
 

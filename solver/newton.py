@@ -42,7 +42,7 @@ class Strategy(Protocol):
     def solve(self) -> None: ...
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Counts:
     iterations: int = 0
     residuals: int = 0

@@ -11,7 +11,7 @@ FACTOR = ("auto", "fresh", "reuse")
 ACCURACY = 0.1  # the largest relative error of a step that can be asked for
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True, eq=False)
 class Options:
     """threads 0: all processors this process may use; linear: auto, pardiso, superlu, dense or
     iterative (:mod:`.linear.iterative`).

@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # components of symmetric tensors, in order
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Points:
     """``n`` integration points of one block at one instant. Voigt order xx yy zz xy yz xz throughout.
 

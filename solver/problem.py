@@ -83,7 +83,7 @@ class Attached:
     nodes: Ints
 
 
-@dataclass
+@dataclass(eq=False)
 class NewtonOptions:
     """Nonlinear solve (FEBio user manual, Control section; FEBio's names in brackets).
 
@@ -126,7 +126,7 @@ class NewtonOptions:
         return self.tolerances.get(of.option, named.get(of.option, of.tolerance))
 
 
-@dataclass
+@dataclass(eq=False)
 class AutoStep:
     """FEBio's time stepper [time_stepper]."""
 
@@ -142,7 +142,7 @@ class AutoStep:
     force: bool = False
 
 
-@dataclass
+@dataclass(eq=False)
 class Saving:
     """Which states are handed to listeners [plot_level, plot_stride, plot_range, plot_zero_state]."""
 
@@ -176,7 +176,7 @@ class Step:
     contacts: list[Any] = field(default_factory=list)  # see contact.base
 
 
-@dataclass
+@dataclass(eq=False)
 class Progress:
     """Where the solve of a time step stands: iterations and augmentations done."""
 

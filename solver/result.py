@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from .state import State
 
 
-@dataclass
+@dataclass(eq=False)
 class Totals:
     """Work done: time steps, Newton iterations, residuals, reformations, retries, seconds by part.
 
@@ -26,7 +26,7 @@ class Totals:
     factor: dict[str, float] = field(default_factory=dict)
 
 
-@dataclass
+@dataclass(eq=False)
 class Result:
     """``converged``, or not and ``reason`` in a sentence; the final state, the times of saved states."""
 

@@ -19,7 +19,7 @@ LEAST = 256  # elements that are worth a second thread
 FEWEST = 64  # elements of a chunk where there are threads to share them
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Share:
     """What one thread does: chunks of elements, group by group."""
 

@@ -13,7 +13,7 @@ from .problem import Problem
 Floats = NDArray[np.float64]
 
 
-@dataclass
+@dataclass(eq=False)
 class State:
     """Nodal values d (node, column), their columns as ``layout`` says; velocity and acceleration (node, 3).
 

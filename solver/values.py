@@ -32,7 +32,7 @@ class Value(Protocol):
     def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats: ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Constant:
     """One number."""
 
@@ -44,7 +44,7 @@ class Constant:
         return np.array([self.number])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Scaled:
     """``base * controller(t)``: a parameter with a load curve."""
 
@@ -57,7 +57,7 @@ class Scaled:
         return self.base(t, X, e) * self.controller(t)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Expression:
     """``f(X, Y, Z, t)`` of numpy arrays, compiled by the caller from a checked formula."""
 
@@ -70,7 +70,7 @@ class Expression:
         return np.atleast_1d(np.asarray(v, dtype=float))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Composed:
     """``f(X, Y, Z, t, **parts)``: a formula of other values, such as maps and parameters, by name."""
 
@@ -84,7 +84,7 @@ class Composed:
         return np.atleast_1d(np.asarray(self.function(X[:, 0], X[:, 1], X[:, 2], t, **parts), dtype=float))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Map:
     """One number for each element of a block (or each item of the set the value lives on)."""
 

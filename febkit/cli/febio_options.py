@@ -6,12 +6,13 @@ FEBio 4.11 takes ``-i -o -p -silent`` (``febkit run`` has them), names without `
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+
+from febkit.record import value_record
 
 from . import exits
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Option:
     """``why`` febkit does not do it: empty where there is nothing to do; ``task``: it asks for another than solving.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +12,7 @@ from febkit.model import Component, Model, Step, Where
 from febkit.model.sets import element_ids, map_items, missing, node_indices, surface
 from febkit.model.source import InputError
 from febkit.model.values import TRUE, near
+from febkit.record import value_record
 
 from .findings import Finding
 
@@ -146,7 +146,7 @@ def references(model: Model, c: Component) -> Iterator[Finding]:
             yield Finding("error", f'<{c.tag} type="{c.type}">: {e.message}', c.where)
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Names:
     """What a parameter may refer to."""
 

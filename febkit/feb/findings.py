@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from febkit.model import Where
+from febkit.record import value_record
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Finding:
     """``severity``: "error" (FEBio or febkit would stop), "warning", "unsupported" (febkit cannot solve it),
     "hint"."""

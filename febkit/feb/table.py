@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from febkit.record import record
 
 _ROW = re.compile(rb'\s*<([A-Za-z][\w.]*)[ \t]+(id|lid)[ \t]*=[ \t]*"')
 _FIRST_VALUE = re.compile(rb'"\s*>([^<]*)</')
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Table:
     """Rows of one tag with one integer attribute and a fixed count of numbers.
 

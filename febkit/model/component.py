@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TypeVar
+
+from febkit.record import value_record
 
 from . import values
 from .source import InputError, Where
@@ -12,7 +14,7 @@ from .source import InputError, Where
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Component:
     """A tagged, possibly typed node; a leaf holds the text of one parameter.
 

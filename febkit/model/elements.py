@@ -6,7 +6,7 @@ this table by a test.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from febkit.record import value_record
 
 Facets = tuple[tuple[str, tuple[int, ...]], ...]
 
@@ -32,7 +32,7 @@ EDGES: dict[str, tuple[tuple[int, int], ...]] = {
 MIDDLES = {"hex27": (20, 21, 22, 23, 24, 25), "tet15": (11, 12, 13, 10)}
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class ElementType:
     """``code``: its number in plotfiles, None where they cannot hold it; ``meshio``: the name there of the type that
     holds its first ``kept`` nodes (VTK has the same types)."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from febkit.record import record
 
 from .source import Where
 
@@ -14,7 +16,7 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class ElementBlock:
     """Elements of one type. ``conn`` (element, local node) holds 0-based node indices."""
 
@@ -25,14 +27,14 @@ class ElementBlock:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class NodeSet:
     name: str
     nodes: Ints  # 0-based node indices
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Surface:
     """Facets by type ("quad4", "tri3", ...); order[i] = (type, row) in file order, with facet ids."""
 
@@ -42,28 +44,28 @@ class Surface:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Edge:
     name: str
     lines: Ints  # (line, 2 or 3) 0-based node indices
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class ElementSet:
     name: str
     elements: Ints  # element ids of the file
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class DiscreteSet:
     name: str
     pairs: Ints  # (element, 2) 0-based node indices
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class SurfacePair:
     name: str
     primary: str
@@ -71,7 +73,7 @@ class SurfacePair:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Mesh:
     node_ids: Ints
     X: Floats  # (node, 3) reference coordinates

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
+
+from febkit.record import record, value_record
 
 from .component import Component
 from .mesh import Mesh
 from .source import Where
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Domain:
     """Assigns a material and a formulation to an element block."""
 
@@ -25,7 +27,7 @@ class Domain:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class MeshData:
     """A map on nodes, elements or facets.
 
@@ -43,7 +45,7 @@ class MeshData:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class LoadController:
     """``<load_controller id= type=>``; ``points`` (n, 2) where it is a load curve."""
 
@@ -55,7 +57,7 @@ class LoadController:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class PlotVariable:
     type: str  # "displacement", or 'p=alias' already split: type and alias
     alias: str | None = None
@@ -64,7 +66,7 @@ class PlotVariable:
     spec: Component | None = None  # where the file says more: an element set, a list of items
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class LogEntry:
     kind: str  # "node_data", "element_data", "rigid_body_data", ...
     data: str  # "x;y;z"
@@ -77,7 +79,7 @@ class LogEntry:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Output:
     plot: tuple[PlotVariable, ...] = ()
     plot_type: str = "febio"
@@ -86,7 +88,7 @@ class Output:
     log_file: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Step:
     """Boundary conditions, loads and control that act during one step (or, in ``Model``, in all)."""
 
@@ -102,7 +104,7 @@ class Step:
     where: Where = field(default_factory=Where)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Model:
     """A .feb model.
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from functools import cache
+
+from febkit.record import value_record
 
 # a line per type: parameters and what they must be; "(control)" and "(solver)" stand for all types of these
 TABLE = r"""
@@ -216,7 +217,7 @@ _ITEM = re.compile(r"([A-Za-z_]\w*)(\S+)")
 _SIGNS = {">": "more than", ">=": "at least", "!=": "other than"}
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Range:
     """Numbers from ``least`` to ``most``, with these where ``closed`` says so; those of ``only``; all but ``never``."""
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from febkit.record import value_record
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Where:
     """A place in an input file: its name and line (0 where unknown)."""
 

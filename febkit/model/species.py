@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from febkit.record import value_record
 
 from . import values
 from .component import Component
@@ -10,7 +12,7 @@ from .model import Model
 from .source import InputError, Where
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Species:
     """A solute or solid-bound molecule of <Globals>; ``index``: its place in the tuple it comes in, from 0."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from febkit.files import Output
 from febkit.model import LogEntry, Model
+from febkit.record import record
 from febkit.solver.newton import Counts
 from febkit.solver.result import Result
 from febkit.solver.run import Listener, Run
@@ -20,7 +20,7 @@ from .plot import View
 from .plotfile import plot_mesh
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class _Record:
     """What is written of an entry: a column for each datum, at these rows, by these labels."""
 

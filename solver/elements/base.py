@@ -91,7 +91,7 @@ class Element:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Shape:
     """The table an element's file holds; :meth:`element` makes an :class:`Element` of it."""
 

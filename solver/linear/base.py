@@ -20,7 +20,7 @@ class Stalled(LinearError):
     """An iterative solve did not converge; a smaller time step may."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Matrix:
     """Compressed rows, 0-based int32. ``symmetric``: upper triangle only, diagonal always stored."""
 
@@ -34,7 +34,7 @@ class Matrix:
         return len(self.indptr) - 1
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Unknowns:
     """What the rows of a tangent stand for.
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _NONE = np.zeros((0, 0))
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Laws:
     """What the laws of a chunk give at its points: stress and tangent of the solid, permeability, its tangent, supply
     with its derivatives."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..state import State
 
 
-@dataclass
+@dataclass(eq=False)
 class Augment:
     """Augmented Lagrangian of the element pressures: relative tolerance, least and most augmentations."""
 

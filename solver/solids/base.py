@@ -41,7 +41,7 @@ Number = Value | float
 NO_TANGENT = np.empty((0, 6, 6))
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Property:
     """A child of a material: its registry table, and whether there may be several or none."""
 

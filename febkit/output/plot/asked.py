@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from febkit.record import value_record
 
 if TYPE_CHECKING:
     from febkit.model import PlotVariable
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 _BRACKETS = re.compile(r"""([^\[]*)\[\s*(?:'(.*)'|"(.*)"|([^'"]*))\s*\]\s*""")
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Asked:
     """``more`` is what stands in the brackets, ``label`` the name in the plotfile; where ``surface`` or ``part`` is
     given, the values of that one alone are written."""

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from febkit.record import record, value_record
 
 from . import tags
 
 Ints = NDArray[np.integer]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class PlotDomain:
     """Elements of one type and material. ``conn`` (element, local) holds 0-based node indices.
 
@@ -41,7 +43,7 @@ def first_seen(nodes: Ints) -> Ints:
     return np.asarray(nodes[first[nodes] == order])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class PlotSurface:
     """Facets, either by type ("quad4": conn, ...) or as one array (facet, local) padded with -1."""
 
@@ -71,7 +73,7 @@ def _widen(rows: Ints, width: int | None) -> Ints:
     return np.pad(rows, ((0, 0), (0, width - rows.shape[1])), constant_values=-1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class PlotMesh:
     """The mesh section. Sets hold 0-based node indices, or element ids of the file."""
 
@@ -106,7 +108,7 @@ class PlotMesh:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class DomainHead:
     """A domain without its elements."""
 
@@ -120,7 +122,7 @@ class DomainHead:
         return tags.ELEMENT_TYPES[tags.ELEMENT_CODE[self.type]][1]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class MeshOutline:
     """A mesh without its nodes' coordinates and its elements: what can be said without reading them."""
 
@@ -151,7 +153,7 @@ class MeshOutline:
         return out
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class PlotVariable:
     """One entry of the dictionary: what is stored, where, in which shape."""
 
