@@ -1,0 +1,73 @@
+"""Records: what a frozen dataclass does, with methods that all of them share."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import FrozenInstanceError, field, fields, replace
+
+import numpy as np
+import pytest
+
+from febkit.record import record, value_record
+
+
+@value_record
+class Place:
+    file: str
+    line: int = 0
+    notes: list[str] = field(default_factory=list)
+
+
+@value_record
+class Pair:
+    file: str
+    line: int
+
+
+@record
+class Cloud:
+    X: np.ndarray
+
+
+def test_fields_come_by_order_name_and_default() -> None:
+    p, q = Place("a.feb", 3), Place(line=3, file="a.feb")
+    assert (p.file, p.line, p.notes) == ("a.feb", 3, []) and p == q
+    assert p.notes is not q.notes
+    assert [f.name for f in fields(p)] == ["file", "line", "notes"]
+    assert replace(p, line=4) == Place("a.feb", 4) != p
+    assert repr(p) == "Place(file='a.feb', line=3, notes=[])"
+
+
+@pytest.mark.parametrize(
+    ("args", "given", "said"),
+    [((), {}, "lacks file"), (("a", 1, [], 2), {}, "3 fields, not 4"), (("a",), {"file": "b"}, "file twice"),
+     (("a",), {"lines": 3}, "no lines")],
+)  # fmt: skip
+def test_wrong_arguments_are_named(args: tuple[object, ...], given: dict[str, object], said: str) -> None:
+    with pytest.raises(TypeError, match=said):
+        Place(*args, **given)  # type: ignore[arg-type]
+
+
+def test_nothing_changes_or_is_added() -> None:
+    p = Place("a.feb")
+    with pytest.raises(FrozenInstanceError):
+        p.line = 4  # type: ignore[misc]
+    with pytest.raises(FrozenInstanceError):
+        p.other = 4  # type: ignore[attr-defined]
+    with pytest.raises(FrozenInstanceError):
+        del p.line
+
+
+def test_equal_by_value_or_by_identity() -> None:
+    assert hash(Pair("a", 1)) == hash(Pair("a", 1)) and Pair("a", 1) != Pair("a", 2)
+    assert Place("a") != ("a", 0, [])
+    one, other = Cloud(np.zeros(3)), Cloud(np.zeros(3))
+    assert one == one and one != other and len({one, other}) == 2
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda p: pickle.loads(pickle.dumps(p))])
+def test_copies_and_pickles(again: object) -> None:
+    p = Place("a.feb", 3, ["x"])
+    q = again(p)  # type: ignore[operator]
+    assert q == p and q is not p
