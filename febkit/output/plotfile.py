@@ -35,6 +35,7 @@ def plot_mesh(model: Model) -> PlotMesh:
         b = model.mesh.block(d.block)
         name = d.block if d.kind == "solid" else None
         domains.append(PlotDomain(b.type, ids.get(d.material, 0), name, b.ids, b.conn))
+    domains += _springs(model, len(model.materials))
     return PlotMesh(
         model.mesh.node_ids,
         model.mesh.X,
@@ -44,6 +45,21 @@ def plot_mesh(model: Model) -> PlotMesh:
         {n: s.elements for n, s in model.mesh.element_sets.items()},
         [(ids[m.name], m.name or "") for m in model.materials],
     )
+
+
+def _springs(model: Model, materials: int) -> list[PlotDomain]:
+    """A domain for each set of <Discrete>: FEBio numbers its elements after all others, its materials likewise."""
+    last = max((int(b.ids.max(initial=0)) for b in model.mesh.blocks), default=0)
+    kinds = [str(c.id or k) for k, c in enumerate((c for c in model.discrete if c.tag == "discrete_material"), 1)]
+    out = []
+    for c in model.discrete:
+        if c.tag == "discrete":
+            name, kind = c.attrs.get("discrete_set", ""), c.attrs.get("dmat", "")
+            pairs = np.asarray(model.mesh.discrete_sets[name].pairs, np.int64)
+            ids = last + 1 + np.arange(len(pairs))
+            last += len(pairs)
+            out.append(PlotDomain("line2", materials + 1 + kinds.index(kind), name, ids, pairs))
+    return out
 
 
 def single(values: Floats, name: str) -> NDArray[np.float32]:
@@ -69,6 +85,8 @@ class PlotListener(Listener):
         mixture = bool(solutes(model))
         for v in dict.fromkeys(map(Asked.of, model.output.plot)):
             give = plot.find(v.name, mixture) if v.name in VARIABLES else None
+            if v.more and v.name not in plot.told:
+                give = None
             if give is None:
                 warn(f'plot variable "{v.label}" is not computed by febkit and is left out')
             else:

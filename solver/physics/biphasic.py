@@ -209,17 +209,11 @@ class BiphasicWork(StandardWork):
         s[..., :3] -= self.pg[..., None]
         return s
 
-    def load_support(self) -> Floats:
-        """Interstitial fluid load support -p / sigma_n of the mean stress: here -3 p / tr sigma."""
-        trace = self.total_stress()[..., :3].sum(axis=-1)
-        return np.divide(-3.0 * self.pg, trace, out=np.zeros_like(trace), where=trace != 0)
-
     outputs = {
         **StandardWork.outputs,
         "stress": lambda w: w.total_stress(),
         "fluid pressure": lambda w: w.pg,
         "fluid flux": lambda w: w.w,
-        "fluid load support": lambda w: w.load_support(),
         "porosity": lambda w: np.maximum(1.0 - w.solid_fraction() / w.group.J, 0.0),
         "referential solid volume fraction": lambda w: w.solid_fraction(),
     }

@@ -10,7 +10,7 @@ from importlib import import_module
 
 from febkit.solver import physics
 
-from .base import Face, Give, Part, View, table
+from .base import Face, Give, Part, View, table, told
 from .base import mean as _mean
 
 FILES: dict[str, tuple[str, ...]] = {
@@ -37,13 +37,56 @@ FILES: dict[str, tuple[str, ...]] = {
         "element linear momentum", "current element linear momentum", "element angular momentum",
         "current element angular momentum", "total energy", "total linear momentum", "total angular momentum",
     ),
-    "fluids": ("effective fluid pressure", "nodal fluid flux"),
-    "solutes": ("effective solute concentration",),
+    "fibers": ("material axes", "fiber vector", "fiber stretch", "deviatoric fiber stretch"),
     "shells": (
         "shell displacement", "nodal shell director", "effective shell fluid pressure",
         "effective shell solute concentration", "shell director", "shell thickness",
     ),
-    "contacts": ("contact gap", "contact pressure", "contact traction"),
+    "shell_faces": (
+        "shell relative volume", "shell strain", "shell top stress", "shell bottom stress", "shell top strain",
+        "shell bottom strain", "shell top nodal stress", "shell bottom nodal stress", "shell top nodal strain",
+        "shell bottom nodal strain",
+    ),
+    "recovery": (
+        "SPR stress", "SPR-P1 stress", "SPR principal stress", "SPR Lagrange strain", "SPR infinitesimal strain",
+        "SPR relative volume", "stress error",
+    ),
+    "growth": (
+        "growth Lagrange strain", "growth infinitesimal strain", "growth right stretch", "growth left stretch",
+        "growth right Hencky", "growth left Hencky", "growth relative volume",
+    ),
+    "rigid": (
+        "rigid position", "rigid velocity", "rigid acceleration", "rigid angular position", "rigid rotation vector",
+        "rigid angular velocity", "rigid angular acceleration", "rigid linear momentum", "rigid angular momentum",
+        "rigid kinetic energy", "Euler angle", "rigid force", "rigid torque",
+    ),
+    "springs": (
+        "discrete element length", "discrete element elongation", "discrete element percent elongation",
+        "discrete element stretch", "discrete element direction", "discrete element force",
+        "discrete element signed force", "discrete element strain energy",
+    ),
+    "surfaces": (
+        "facet area", "surface area", "enclosed volume", "enclosed volume change", "surface reaction force",
+        "surface reaction moment", "surface traction", "nodal surface traction", "fluid flow rate", "fluid force2",
+    ),
+    "contacts": (
+        "contact gap", "contact pressure", "contact traction", "nodal contact gap", "nodal contact pressure",
+        "nodal contact traction", "vector gap", "nodal vector gap", "contact stick", "contact status",
+        "contact penalty", "contact area", "contact force", "pressure gap", "fluid force",
+        "local fluid load support", "fluid load support",
+    ),
+    "bonds": (
+        "damage", "intact bond fraction", "yielded bond fraction", "fatigue bond fraction",
+        "octahedral plastic strain", "plasticity heat supply density", "plastic yield stress", "RVE generations",
+        "RVE reforming bonds", "RVE recruitment", "RVE strain", "strong bond SED", "weak bond SED",
+        "deviatoric strong bond SED", "deviatoric weak bond SED",
+    ),
+    "prestrain": (
+        "in-situ target stretch", "prestrain stretch", "prestrain stretch error", "prestrain correction",
+        "SPR prestrain correction", "prestrain compatibility",
+    ),
+    "fluids": ("effective fluid pressure", "nodal fluid flux", "permeability", "effective elasticity"),
+    "solutes": ("effective solute concentration",),
 }  # fmt: skip
 _FILE = {name: file for file, names in FILES.items() for name in names}
 # arrays over the model's solutes, and over its solid-bound molecules
@@ -66,4 +109,4 @@ def find(name: str, solutes: bool = True) -> Give | None:
     return None
 
 
-__all__ = ["ARRAYS", "FILES", "Face", "Give", "Part", "View", "find"]
+__all__ = ["ARRAYS", "FILES", "Face", "Give", "Part", "View", "find", "told"]

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from febkit.solver.points import VOIGT
 
 if TYPE_CHECKING:
-    from febkit.model import Domain, Model, Surface
+    from febkit.model import Model, Surface
     from febkit.results.xplt.records import PlotDomain, PlotMesh, PlotSurface
     from febkit.solver.group import Group
     from febkit.solver.points import Points
@@ -42,11 +42,14 @@ T = TypeVar("T")
 FULL = [0, 3, 5, 3, 1, 4, 5, 4, 2]  # places of xx xy xz yx yy yz zx zy zz among xx yy zz xy yz xz
 
 table: dict[str, Give] = {}
+told: set[str] = set()  # those that take what stands in brackets
 
 
-def register(name: str, give: Give) -> None:
-    """Make a variable known by FEBio's name."""
+def register(name: str, give: Give, more: bool = False) -> None:
+    """Make a variable known by FEBio's name; ``more``: it takes what stands in brackets."""
     table[name] = give
+    if more:
+        told.add(name)
 
 
 # ---- what there is in a state -------------------------------------------------------------------------
@@ -57,8 +60,10 @@ class View:
         self.run, self.model, self.mesh = run, model, mesh
         self.kept: dict[object, Any] = {}
         groups = {g.block.name: g for g in run.groups}
-        named = model.domains
-        self.parts = [Part(self, d, mesh.domains[k], groups.get(d.block)) for k, d in enumerate(named)]
+        self.parts = [Part(self, d.block, d.kind, d.material, mesh.domains[k], groups.get(d.block))
+                      for k, d in enumerate(model.domains)]  # fmt: skip
+        springs = mesh.domains[len(self.parts) :]
+        self.parts += [Part(self, d.name or "", "discrete", "", d, None) for d in springs]
         self.faces = [Face(self, model.mesh.surfaces[s.name], s) for s in mesh.surfaces]
 
     @property
@@ -71,10 +76,16 @@ class View:
 
 
 class Part:
-    """The elements of a domain: its ``group``, None where it is rigid or not of elements with points of their own."""
+    """The elements of a domain: its ``group``, None where it is rigid, or of springs.
 
-    def __init__(self, view: View, domain: Domain, mesh: PlotDomain, group: Group | None) -> None:
-        self.view, self.domain, self.mesh, self.group = view, domain, mesh, group
+    ``kind`` is "solid", "shell" or "discrete", ``material`` the name of its material.
+    """
+
+    def __init__(
+        self, view: View, name: str, kind: str, material: str, mesh: PlotDomain, group: Group | None
+    ) -> None:  # fmt: skip
+        self.view, self.name, self.kind, self.material = view, name, kind, material
+        self.mesh, self.group = mesh, group
 
     @property
     def run(self) -> Run:
@@ -85,12 +96,8 @@ class Part:
         return self.view.run.state
 
     @property
-    def name(self) -> str:
-        return self.domain.block
-
-    @property
     def shell(self) -> bool:
-        return self.domain.kind == "shell"
+        return self.kind == "shell"
 
     @property
     def g(self) -> Group:
@@ -122,18 +129,52 @@ class Part:
 
 
 class Face:
-    """A surface of the mesh."""
+    """A surface of the mesh; ``kinds`` are its facets by type, ("quad4", facets (f, n)), in the order of its rows."""
 
     def __init__(self, view: View, surface: Surface, mesh: PlotSurface) -> None:
         self.view, self.surface, self.mesh = view, surface, mesh
+        self.kinds = [(kind, np.asarray(c, np.int64)) for kind, c in surface.facets.items() if len(c)]
 
     @property
     def name(self) -> str:
         return self.surface.name
 
+    @property
+    def state(self) -> State:
+        return self.view.run.state
+
     @cached_property
     def nodes(self) -> NDArray[np.integer]:
         return self.mesh.nodes()
+
+    @cached_property
+    def width(self) -> int:
+        """Nodes of the largest facet."""
+        return max((c.shape[1] for _, c in self.kinds), default=0)
+
+    @cached_property
+    def behind(self) -> list[list[tuple[Part, int] | None]]:
+        """The part and element behind each facet, type by type: the first with that face, None where there is none."""
+        from febkit.solver import elements
+
+        at: dict[tuple[int, ...], tuple[Part, int]] = {}
+        own = np.zeros(int(self.nodes.max(initial=-1)) + 1, bool)
+        own[self.nodes] = True
+        for part in self.view.parts:
+            if part.group is None:
+                continue
+            conn = np.asarray(part.mesh.conn)
+            mine = np.flatnonzero((own[np.minimum(conn, len(own) - 1)] & (conn < len(own))).sum(axis=1) >= 3)
+            faces = ((None, tuple(range(conn.shape[1]))),) if part.shell else part.group.element.facets
+            for kind, local in faces:
+                corners = elements.shape(kind or part.mesh.type).corners
+                for e in mine:
+                    at.setdefault(tuple(sorted(conn[e, list(local[:corners])].tolist())), (part, int(e)))
+        out = []
+        for kind, c in self.kinds:
+            corners = elements.shape(kind).corners
+            out.append([at.get(tuple(sorted(row))) for row in c[:, :corners].tolist()])
+        return out
 
 
 # ---- values of a state that several variables need ------------------------------------------------------

@@ -48,7 +48,7 @@ def component(part: Part, which: str) -> tuple[Any, Points] | None:
         return None
     if found[1] is not None:
         names = [m.name for m in part.view.model.materials]
-        if int(found[1]) >= len(names) or names[int(found[1])] != part.domain.material:
+        if int(found[1]) >= len(names) or names[int(found[1])] != part.material:
             return None
     return solid(part, found[2])
 

@@ -73,6 +73,6 @@ def thickness(part: Part) -> Floats | None:
 register("shell displacement", lambda view: of_nodes(view, view.state.u))
 register("nodal shell director", directors)
 register("effective shell fluid pressure", pressure)
-register("effective shell solute concentration", solute)
+register("effective shell solute concentration", solute, more=True)
 register("shell director", at_elements)
 register("shell thickness", thickness)
