@@ -14,6 +14,7 @@ from . import exits, printing, signals
 VERBS = {
     "info": "Say what is in a model or a results file.",
     "validate": "Check an input offline.",
+    "features": "List FEBio's types and what febkit does with each.",
     "convert": "Convert between .feb versions, results and mesh formats.",
     "run": "Solve a .feb model.",
     "new": "Write a model from a template.",

@@ -30,6 +30,7 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
 OF_A_SOLUTE = ("soluteflux", "solute natural flux")
 PROFILE = {"sinusoidal": 0, "parabolic": 1, "0": 0, "1": 1}
 FRAME = {"fixed": False, "moving": True, "0": False, "1": True}
+NODAL = ("nodal_force", "nodal_load", "nodal fluidflux", "nodal_target_force")
 BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "const": (("x", "y", "z"), ()),
     "non-const": (("x", "y", "z"), ()),
@@ -56,9 +57,7 @@ def loads(ctx: Context, specs: tuple[Component, ...], analysis: str) -> tuple[li
 
 
 def _unread(c: Component) -> bool:
-    if c.tag == "surface_load":
-        return c.type not in SURFACE
-    return c.tag == "body_load" and c.type not in BODY
+    return c.type not in {"surface_load": SURFACE, "nodal_load": NODAL, "body_load": BODY}[c.tag]
 
 
 def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
