@@ -177,9 +177,9 @@ def _within(table: str) -> Callable[[], Collection[str]]:
 
 
 def _plots() -> Collection[str]:
-    from febkit.output import fields
+    from febkit.output import plot
 
-    return [n for n in registered()["plot variable"] if fields.known(n, True)]
+    return [n for n in registered()["plot variable"] if plot.find(n) is not None]
 
 
 # kinds whose types stand in a table of the solver's own
@@ -195,5 +195,5 @@ TABLES: dict[str, Callable[[], Collection[str]]] = {
     "optimisation method": tuple,  # files of febio_optimize are not read
     "axes": lambda: import_module("febkit.lower.axes").MAT_AXIS,
     "direction": lambda: import_module("febkit.lower.axes").DIRECTION,
-    "data record": lambda: import_module("febkit.output.logdata").SOURCES,
+    "data record": lambda: import_module("febkit.output.records").KINDS,
 }  # fmt: skip
