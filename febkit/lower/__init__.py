@@ -19,7 +19,16 @@ from .context import Context
 
 SOLUTES = ("solute", "multiphasic")  # modules with concentrations
 MODULES = ("solid", "biphasic", *SOLUTES)
-CONSTRAINTS = {"linear constraint": "ties", "rigid_wall": "walls"}  # type -> module here that reads it
+CONSTRAINTS = {  # type -> module here that reads it
+    "linear constraint": "ties",
+    "rigid_wall": "walls",
+    "fixed normal displacement": "held",
+    "symmetry plane": "held",
+    "volume": "held",
+    "node distance": "held",
+    "prestrain": "prestrain",
+    "in-situ stretch": "prestrain",
+}
 
 
 def lower(model: Model) -> Problem:
@@ -59,7 +68,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         ctx.X, ctx.back = shells.thick(ctx, blocks, domains)
     bodies = rigid.make(ctx)
     ctx.numbers, ctx.made = {b.name: k for k, b in enumerate(blocks)}, blocks
-    common = Step()
+    ctx.common = common = Step()
     _fill(ctx, common, model.common)
     if model.discrete:
         from . import ties

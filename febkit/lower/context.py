@@ -23,6 +23,7 @@ from febkit.model import (
 )
 from febkit.model.sets import element_ids, map_items, node_indices, surface
 from febkit.solver.fields import Layout
+from febkit.solver.problem import Step
 from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Value
 
 if TYPE_CHECKING:
@@ -70,6 +71,7 @@ class Context:
         self.centres: list[np.ndarray] = []  # and their centres, by index
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.made: list[Block] = []  # and the blocks
+        self.common = Step()  # what acts in every step
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:

@@ -60,14 +60,14 @@ def _unread(c: Component) -> bool:
     return c.type not in {"surface_load": SURFACE, "nodal_load": NODAL, "body_load": BODY}[c.tag]
 
 
-def facets(ctx: Context, c: Component) -> tuple[Patch, ...]:
-    """The facets a load is on."""
+def facets(ctx: Context, c: Component, rule: str | None = None) -> tuple[Patch, ...]:
+    """The facets a load is on, with an integration rule or that of their kind."""
     name = c.attrs.get("surface", "")
     on = surface(ctx.model.mesh, name, c.where)
     conns = dict(on.facets)
     if c.bool("shell_bottom"):
         conns = ctx.bottoms(c, conns)
-    return patches(conns, ctx.X, _order(on))
+    return patches(conns, ctx.X, _order(on), dict.fromkeys(conns, rule) if rule else None)
 
 
 def _order(on: Surface) -> dict[str, np.ndarray] | None:

@@ -121,6 +121,13 @@ def place(ctx: Context, index: int, dof: int) -> tuple[int, np.ndarray]:
     return int(ctx.layout.displacement[dof % 3]), np.array([len(ctx.X) + 2 * index + dof // 3])
 
 
+def carried(ctx: Context, out: Step) -> np.ndarray:
+    """Nodes that rigid bodies lead in a step."""
+    own = [ctx.blocks[name].conn.ravel() for b in ctx.rigid.values() for name, _ in b.blocks]
+    attached = [a.nodes for a in (*ctx.common.attached, *out.attached)]
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *own, *attached]))
+
+
 def fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     """What a step says of rigid bodies."""
     for c in spec.boundary:

@@ -23,6 +23,7 @@ LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "Hill": (springs.HillMuscles, ("Vmax", "ac", "Fmax", "Ksh", "Lmax")),
 }
 METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
+AUGMENTED = frozenset({"laugon", "tol", "penalty", "rhs", "minaug", "maxaug"})
 MEASURES = {k: k for k in ("elongation", "strain", "stretch")} | {"0": "elongation", "1": "strain", "2": "stretch"}
 
 
@@ -128,14 +129,20 @@ def _term(ctx: Context, c: Component) -> tuple[int, int, float]:
     return (*_place(ctx, c.id, c.attrs.get("bc", ""), c.where), c.as_float())
 
 
-def constraint(ctx: Context, out: Step, c: Component) -> None:
-    """<constraint type="linear constraint">: sums of unknowns that vanish, by penalty or augmented Lagrangian."""
-    known = {"laugon", "tol", "penalty", "rhs", "minaug", "maxaug", "linear_constraint"}
-    ctx.check_tags(c, known)
+def augmented(ctx: Context, c: Component) -> dict[str, Any]:
+    """Options of a set of linear constraints."""
     method = c.choice("laugon", METHODS, 1)
     if method == 2:
         ctx.refuse(f'<laugon>LAGMULT</laugon> of <{c.tag} type="{c.type}">', c.need("laugon").where)
-        return
+    return {
+        "penalty": c.float("penalty", 1.0), "tolerance": c.float("tol", 0.1), "rhs": c.float("rhs", 0.0),
+        "minaug": c.int("minaug", 0), "maxaug": c.int("maxaug", 50), "laugon": method,
+    }  # fmt: skip
+
+
+def constraint(ctx: Context, out: Step, c: Component) -> None:
+    """<constraint type="linear constraint">: sums of unknowns that vanish, by penalty or augmented Lagrangian."""
+    ctx.check_tags(c, AUGMENTED | {"linear_constraint"})
     rows = [[_term(ctx, n) for n in q.all("node")] for q in c.all("linear_constraint")]
     width = max(map(len, rows), default=0)
     nodes, columns = (np.full((len(rows), width), k, np.int64) for k in (-1, 0))
@@ -143,7 +150,4 @@ def constraint(ctx: Context, out: Step, c: Component) -> None:
     for i, row in enumerate(rows):
         for j, (n, k, v) in enumerate(row):
             nodes[i, j], columns[i, j], a[i, j] = n, k, v
-    out.loads.append(springs.ConstraintSet(
-        nodes, columns, a, c.float("penalty", 1.0), c.float("tol", 0.1), c.float("rhs", 0.0),
-        c.int("minaug", 0), c.int("maxaug", 50), method,
-    ))  # fmt: skip
+    out.loads.append(springs.ConstraintSet(nodes, columns, a, **augmented(ctx, c)))

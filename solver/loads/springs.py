@@ -179,10 +179,13 @@ class ConstraintSet(Action):
         np.add.at(R, (np.maximum(self.nodes, 0), self.columns), -f[:, None] * self.coefficients)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        """eps a a^T, constraints of like columns together."""
         out: Matrices = []
-        for n, c, a in zip(self.nodes, self.columns, self.coefficients, strict=True):
-            on = n >= 0
-            out.append((self.penalty * np.outer(a[on], a[on])[None], n[on][None], c[on]))
+        kinds, which = np.unique(np.where(self.nodes < 0, -1, self.columns), axis=0, return_inverse=True)
+        for k, columns in enumerate(kinds):
+            rows, on = which.ravel() == k, columns >= 0
+            a = self.coefficients[rows][:, on]
+            out.append((self.penalty * a[:, :, None] * a[:, None, :], self.nodes[rows][:, on], columns[on]))
         return out
 
     @property

@@ -16,7 +16,8 @@ History. ``history`` is the number of columns a node owns; ``offset`` its first 
 :func:`.history.layout`. ``pts.old`` is the state at the last converged time and is never written;
 every evaluation writes the columns of ``pts.new`` anew from ``pts.old``, ``F``, ``t`` and ``dt``. The loop
 makes ``old`` from ``new`` when a step has converged. ``initial(n)`` gives the state before the first
-step. A material whose memory grows with time enlarges ``history`` in ``room``, which the loop calls
+step. Corrections that augmentations make of a prestrain stand in ``new``, which therefore starts as a copy of ``old``.
+A material whose memory grows with time enlarges ``history`` in ``room``, which the loop calls
 through :func:`.history.begin` before each step.
 """
 

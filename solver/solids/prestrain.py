@@ -18,6 +18,8 @@ from .uncoupled import Uncoupled, distortional, distortional_energy
 
 @dataclass(eq=False)
 class _Prestrained:
+    """F0 = Fc F_given; the correction Fc is a history where :meth:`correctable` says so, else the identity."""
+
     elastic: Solid | None = None
     prestrain: Any = None
     properties: ClassVar[dict[str, Property]] = {
@@ -30,18 +32,41 @@ class _Prestrained:
         if self.prestrain is not None:
             self.prestrain.solid = self.elastic
 
+    def correctable(self) -> None:
+        """Make room for corrections (:class:`..loads.prestrain.PrestrainCorrection`); before the first step."""
+        self.history = 9
+
+    @property
+    def corrects(self) -> bool:
+        return self.history > 0
+
+    def initial(self, n: int) -> Floats:
+        return np.tile(np.eye(3).ravel()[: self.history], (n, 1))
+
+    def correction(self, pts: Points) -> Floats | None:
+        """Fc (n, 3, 3), which augmentations write; None where there is none."""
+        kept = pts.old if pts.new is None else pts.new
+        if not self.history or kept is None:
+            return None
+        first = int(self.offset)  # type: ignore[attr-defined]
+        return kept[:, first : first + 9].reshape(-1, 3, 3)
+
+    def gradient(self, pts: Points) -> Floats | None:
+        """F0 at points seen with the solid's axes; None where it is the identity."""
+        given = None if self.prestrain is None else self.prestrain.gradient(pts)
+        Fc = self.correction(pts)
+        return given if Fc is None else Fc if given is None else Fc @ given
+
     def _state(self, pts: Points) -> Points:
         """The points with F F0."""
         within = self.inner(pts)  # type: ignore[attr-defined]
-        if self.prestrain is None:
-            return within  # type: ignore[no-any-return]
-        return deformed(within, within.F @ self.prestrain.gradient(within))
+        F0 = self.gradient(within)
+        return within if F0 is None else deformed(within, within.F @ F0)
 
     def density(self, pts: Points) -> Floats:
         rho = as_value(self.density_)(pts.t, pts.X, pts.e)  # type: ignore[attr-defined]
-        if self.prestrain is None:
-            return rho
-        return rho / det(self.prestrain.gradient(self.inner(pts)))  # type: ignore[attr-defined]
+        F0 = self.gradient(self.inner(pts))  # type: ignore[attr-defined]
+        return rho if F0 is None else rho / det(F0)
 
 
 @dataclass(eq=False)
