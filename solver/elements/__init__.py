@@ -41,12 +41,8 @@ def shape(name: str) -> Shape:
 def get(name: str, rule: str | None = None) -> Element:
     """The element ``name`` ("hex8") with an integration rule ("G8"), FEBio's default where none is named.
 
-    Facets have a rule "nodal" besides. Raises KeyError where there is no such element or rule.
+    Raises KeyError where there is no such element or rule.
     """
-    if rule == "nodal":
-        from . import nodal
-
-        return nodal.element(name)
     return shape(name).element(rule)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import elements
 from ..action import Action, Floats, Ints, Matrices
+from ..elements import nodal
 from ..elements.base import Element
 from ..fields import DISPLACEMENT
 from ..kernels.surface import add_vectors
@@ -39,7 +40,7 @@ class Patch:
         cls, kind: str, conn: Ints, X: Floats, items: Ints | None = None, rule: str | None = None
     ) -> Patch:
         """Facets of type ``kind`` ("quad4") with nodes ``conn`` at reference positions ``X`` (node, 3)."""
-        e = elements.get(kind, rule)
+        e = nodal.element(kind) if rule == nodal.RULE else elements.get(kind, rule)
         conn = np.ascontiguousarray(conn, dtype=np.int64)
         points = np.einsum("ga,fai->fgi", e.N, X[conn]).reshape(-1, 3)
         items = np.arange(len(conn)) if items is None else np.asarray(items)
