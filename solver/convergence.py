@@ -50,7 +50,7 @@ class Convergence:
     def __init__(self, system: System, options: NewtonOptions) -> None:
         self.system, self.options = system, options
         self.least = options.min_residual
-        parts = [(f, system.layout.equations(f, system.eqs.column)) for f in system.layout.fields]
+        parts = [(f, system.layout.equations(f, system.eqs.column)) for f in system.layout.normed]
         self.fields = [
             (f, slice(None) if len(own) == system.eqs.n else own, options.tolerance(f)) for f, own in parts
         ]

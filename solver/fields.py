@@ -21,13 +21,15 @@ class Field:
     """A nodal field. ``components`` are its degrees of freedom by FEBio's names ("x", "p", "c1").
 
     ``option`` is FEBio's name of its tolerance ("dtol"), ``tolerance`` the number taken where none is given: of the
-    norm of Newton's increments over that of the step's.
+    norm of Newton's increments over that of the step's. ``within``: the field whose norm it counts in, where it has
+    none of its own.
     """
 
     name: str
     components: tuple[str, ...]
     option: str
     tolerance: float
+    within: str = ""
 
     @property
     def width(self) -> int:
@@ -37,6 +39,7 @@ class Field:
 
 DISPLACEMENT = Field("displacement", ("x", "y", "z"), "dtol", 1e-3)
 PRESSURE = Field("fluid pressure", ("p",), "ptol", 1e-2)
+ROTATION = Field("rotation", ("u", "v", "w"), "dtol", 1e-3, within="displacement")  # a vector, composed: .rotations
 
 
 def concentration(solute: int) -> Field:
@@ -46,7 +49,7 @@ def concentration(solute: int) -> Field:
 
 class Layout:
     """Fields side by side. ``width``: columns in all; ``displacement``, ``concentrations``: columns of these, maybe
-    none; ``moves``: there is a displacement."""
+    none; ``moves``: there is a displacement; ``turns``: there are rotations; ``mixed``: several fields have norms."""
 
     def __init__(self, fields: Iterable[Field]) -> None:
         self.fields = tuple(fields)
@@ -61,6 +64,8 @@ class Layout:
             self.width += f.width
         self.concentrations = self.columns(*(f.name for f in self.fields if f.option == "ctol"))
         self.moves = DISPLACEMENT.name in self
+        self.turns = ROTATION.name in self
+        self.mixed = len(self.normed) > 1
         self.displacement = self.columns(*([DISPLACEMENT.name] if self.moves else []))
         self._u = self._slices.get(DISPLACEMENT.name, slice(0, 0))  # asked for at every turn
 
@@ -119,10 +124,15 @@ class Layout:
         return nodal[:, self._u]
 
     # ---- equations --------------------------------------------------------------------------------
+    @property
+    def normed(self) -> tuple[Field, ...]:
+        """The fields that have norms of their own."""
+        return tuple(f for f in self.fields if f.within not in self)
+
     def equations(self, field: Field, column: Ints) -> Ints:
-        """Those equations that are a field's, from the column of each (:class:`.pattern.Equations`)."""
-        own = self[field.name]
-        return np.flatnonzero((column >= own.start) & (column < own.stop))
+        """Those equations that count in a field's norm, from the column of each (:class:`.pattern.Equations`)."""
+        own = [f.name for f in self.fields if field.name in (f.name, f.within)]
+        return np.flatnonzero(np.isin(column, self.columns(*own)))
 
     def norms(self, nodal: Floats) -> Floats:
         """Norm of each field of a nodal array (field,)."""

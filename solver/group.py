@@ -48,8 +48,9 @@ class Chunk:
 class Group:
     """Element arrays of one block. m elements, g integration points, n nodes per element.
 
-    F (m, g, 3, 3) and J (m, g) are those of the displacements, where these are among the block's ``fields``;
-    ``columns`` are those of its fields in nodal arrays, in the physics' order.
+    F (m, g, 3, 3) and J (m, g) are those of the displacements, where these are among the block's ``fields`` (``moves``)
+    and its elements have a volume (``deforms``); ``columns`` are those of its fields in nodal arrays, in the physics'
+    order.
     """
 
     def __init__(self, block: Block, X: Floats, chunk: int = 256, layout: Layout | None = None) -> None:
@@ -58,7 +59,7 @@ class Group:
         self.layout = layout or Layout.of(fields)
         self.fields = tuple(f.name for f in fields)
         self.columns = self.layout.columns(*self.fields)
-        self.deforms = DISPLACEMENT.name in self.fields
+        self.moves = self.deforms = DISPLACEMENT.name in self.fields
         e = elements.get(block.element, block.rule)
         self.element = e
         self.shell = block.element.startswith("shell_")
@@ -69,9 +70,7 @@ class Group:
         m, g = len(self.conn), len(e.weights)
         self.m, self.g, self.n = m, g, self.conn.shape[1]
         self.iJ0, self.wJ0 = np.empty((m, g, 3, 3)), np.empty((m, g))
-        if solid.reference(X, self.conn, self.dN, np.ascontiguousarray(e.weights), self.iJ0, self.wJ0):
-            first = int(np.flatnonzero((self.wJ0 <= 0).any(axis=1))[0])
-            raise NegativeJacobian(int(block.ids[first]), block.name)
+        self._measure(X)
         self.F = np.tile(np.eye(3), (m, g, 1, 1))
         self.J = np.ones((m, g))
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
@@ -79,6 +78,13 @@ class Group:
         self.set_history(history.initial(block.solid, m * g))
         self._grows = history.grows(block.solid)
         self.physics = block.physics.open(self)
+
+    def _measure(self, X: Floats) -> None:
+        """Inverse Jacobians and weights of the reference. Raises NegativeJacobian."""
+        w = np.ascontiguousarray(self.element.weights)
+        if solid.reference(X, self.conn, self.dN, w, self.iJ0, self.wJ0):
+            first = int(np.flatnonzero((self.wJ0 <= 0).any(axis=1))[0])
+            raise NegativeJacobian(int(self.block.ids[first]), self.block.name)
 
     def _axes(self) -> Floats | None:
         Q = self.block.axes

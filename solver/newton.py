@@ -133,7 +133,7 @@ class Newton:
             how.solve()
         finally:
             self.count.factorisations = self.inverse.made - made
-        self.total = self.total + self.increment
+        self.total = self.system.accumulate(self.total, self.increment)
         if self.system.dry is not None:
             self.total[self.system.dry] = self.system.ambient
         self.calm = 0 if how.renewed or self.count.iterations > EASY else self.calm + 1
@@ -163,6 +163,7 @@ class Newton:
         """Take the step s u from residual R0 to R1; report its norms, and whether they are small enough."""
         k = self.count
         self.increment = self.system.compose(self.increment, s * u)
+        self.system.settle()
         report, converged = self.convergence.test(u, s, R0, R1, self.increment)
         now = self.system.state.time
         self.watch(Iteration(now, k.iterations + 1, updates, k.residuals, k.reforms, s, report))

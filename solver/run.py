@@ -9,13 +9,14 @@ import numpy as np
 
 from . import compilation
 from .clock import Clock
-from .fields import DISPLACEMENT
+from .elements import LINES
+from .fields import DISPLACEMENT, Floats, Layout
 from .finite import NotFinite, check_parameters, check_state
 from .group import ElementFailure, Group
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
 from .options import Options
-from .problem import NewtonOptions, Problem, Step
+from .problem import Block, NewtonOptions, Problem, Step
 from .result import Result, Totals
 from .route import Route
 from .saving import wanted
@@ -116,7 +117,7 @@ class Run:
 
     def _set_up(self) -> None:
         size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
-        self.groups = [Group(b, self.problem.X, size, self.state.layout) for b in self.problem.blocks]
+        self.groups = [_group(b, self.problem.X, size, self.state.layout) for b in self.problem.blocks]
         for g in self.groups:
             check_parameters(g.block, g.points(), steady=True)
         self.schedule = Schedule(self.groups, self.team)
@@ -322,6 +323,8 @@ class Run:
             a.begin_step(s)
         if self.bodies is not None:
             self.bodies.begin_step(s, system)
+        if system.rotations is not None:
+            system.rotations.begin_step(s, (system.beta, system.gamma) if system.dynamic else None)
         for g in self.groups:
             g.begin_step(s)
 
@@ -343,6 +346,15 @@ class Run:
         self.times.append(self.state.time)
         with self.clock("output"):
             self.tell("save", status)
+
+
+def _group(block: Block, X: Floats, chunk: int, layout: Layout) -> Group:
+    """A block at work: solids, shells or lines."""
+    if block.element in LINES:
+        from .lines import Lines
+
+        return Lines(block, X, chunk, layout)
+    return Group(block, X, chunk, layout)
 
 
 def _hopeless(e: Exception) -> bool:

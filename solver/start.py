@@ -8,11 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .finite import blame, whole
+from .linear.base import LinearError
+from .mass import Mass
 from .pattern import FREE
 
 if TYPE_CHECKING:
     from .route import Route
     from .system import System
+
+ENOUGH = 1e-8  # of the forces, that accelerations may leave over
 
 
 def accelerate(system: System, route: Route) -> None:
@@ -35,7 +39,12 @@ def accelerate(system: System, route: Route) -> None:
         return
     fu, free = s.layout.u(f), system.eqs.kind[:, s.layout.displacement] == FREE
     if np.any(fu[free]):
-        s.acceleration[free] = system.mass.solve(fu, free)[free]
+        mass = Mass([g for g in system.groups if g.moves])
+        a = mass.solve(fu, free)
+        left = np.where(free, fu - mass @ a, 0.0)
+        if not np.linalg.norm(left) <= ENOUGH * np.linalg.norm(fu[free]):
+            raise LinearError("the mass is singular for the forces at the start: let these grow from zero")
+        s.acceleration[free] = a[free]
 
 
 def _with_ties(system: System, route: Route, f: NDArray[np.float64]) -> None:

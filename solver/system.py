@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action import Action
+from .fields import ROTATION
 from .finite import whole
 from .following import Following
 from .group import Group
@@ -15,7 +16,7 @@ from .kernels.pattern import scatter_any
 from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import FREE, GIVEN, HELD, Equations, Pattern
+from .pattern import FREE, GIVEN, HELD, INACTIVE, Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
@@ -23,6 +24,7 @@ from .tangent import Target, Workspace
 
 if TYPE_CHECKING:
     from .rigid.bodies import Bodies
+    from .rotations import Rotations
     from .ties import Constraints, Ties
 
 Floats = NDArray[np.float64]
@@ -57,6 +59,7 @@ class System:
         self.dry: NDArray[np.int64] | None = None  # equations that contact holds at ambient values
         self.finite = True  # all forces of the last residual were
         self.eqs = Equations(self._active(), self.conditions)
+        self.rotations = self._turn()
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
         self._begin_conditions()
@@ -70,9 +73,9 @@ class System:
             a.alpha = self.alphaf
         for b in self.body_loads:
             # velocities follow displacements by Newmark's rule, beside other fields by backward Euler, or not at all
-            b.rate = self.gamma / self.beta if self.dynamic else float(len(self.layout.fields) > 1)
+            b.rate = self.gamma / self.beta if self.dynamic else float(self.layout.mixed)
         for g in groups:
-            g.alphaf = self.alphaf if g.shell else 1.0
+            g.alphaf = self.alphaf if g.shell or g.physics.spins else 1.0
             g.steady = self.steady
         self._mass: Mass | None = None
 
@@ -103,6 +106,16 @@ class System:
         from .ties import Ties
 
         return Ties(sources, self.state)
+
+    def _turn(self) -> Rotations | None:
+        """Rotations of the nodes, where there are any."""
+        if not self.layout.turns:
+            return None
+        from .rotations import Rotations
+
+        own, kind = self.layout[ROTATION.name], self.eqs.kind
+        nodes = np.flatnonzero((kind[:, own] != INACTIVE).any(axis=1))
+        return Rotations(self.state, own, nodes, kind[:, own] == FREE, self.eqs.eq[:, own])
 
     def _active(self) -> NDArray[np.bool_]:
         active, u = np.zeros(self.state.d.shape, bool), self.layout.displacement
@@ -154,7 +167,7 @@ class System:
     @property
     def mixed(self) -> bool:
         """Are there several fields or penalties, so that pivots of very different size are sound?"""
-        return len(self.layout.fields) > 1 or any(a.augments for a in self.loads) or bool(self.contacts)
+        return self.layout.mixed or any(a.augments for a in self.loads) or bool(self.contacts)
 
     @property
     def pattern(self) -> Pattern:
@@ -212,6 +225,8 @@ class System:
             s.d[c.nodes[mine], c.column] = v[mine]
         if self.bodies is not None:
             self.bodies.move(s, self.eqs, increment, u)
+        if self.rotations is not None:
+            self.rotations.move(s, increment, u)
         if self.constraints is not None:
             self.constraints.enforce(s)
         self._rates()
@@ -227,7 +242,21 @@ class System:
     def compose(self, a: Floats, b: Floats) -> Floats:
         """The increment a, then b."""
         total = a + b
+        if self.rotations is not None:
+            self.rotations.compose(total, a, b)
         return total if self.bodies is None else self.bodies.compose(self.eqs, total, a, b)
+
+    def accumulate(self, total: Floats, increment: Floats) -> Floats:
+        """The unknowns at the end of a step of ``increment``; rotations of bodies are not had from these."""
+        out = total + increment
+        return out if self.rotations is None else self.rotations.compose(out, total, increment)
+
+    def settle(self) -> None:
+        """The state after an iteration is the one that the next iteration's increments start from."""
+        if self.rotations is not None:
+            self.rotations.settle(self.state)
+            for g in self.groups:
+                g.physics.settle()
 
     def _rates(self) -> None:
         s = self.state
@@ -238,10 +267,12 @@ class System:
             s.velocity = s.velocity_old + s.dt * (
                 (1 - self.gamma) * s.acceleration_old + self.gamma * s.acceleration
             )
-        elif len(s.layout.fields) > 1 and s.dt > 0:
+        elif s.layout.mixed and s.dt > 0:
             s.velocity = (s.u - s.u_old) / s.dt
         if self.bodies is not None:
             self.bodies.rates(s, self)
+        if self.rotations is not None and self.dynamic:
+            self.rotations.rates(s, (self.beta, self.gamma))
 
     def update(self) -> None:
         """Contacts, kinematics, stresses and fluxes at the present state."""
@@ -323,12 +354,14 @@ class System:
         Ru -= self.mass @ a
         if self.bodies is not None:
             self.bodies.inertia_forces(s, total, self.alpham)
+        for g in self.groups:
+            g.physics.inertia(s, total)
 
     @property
     def mass(self) -> Mass:
         """Consistent mass by referential density."""
         if self._mass is None:
-            self._mass = Mass([g for g in self.groups if g.deforms])
+            self._mass = Mass([g for g in self.groups if g.moves and not g.physics.spins])
         return self._mass
 
     # ---- tangent ----------------------------------------------------------------------------------
@@ -400,4 +433,7 @@ class System:
                 self._add(A, scale * M, g.conn, np.full(g.n, i), step, Fd)
         if self.bodies is not None:
             for K, nodes, columns in self.bodies.inertia_tangent(self.state, self):
+                self._add(A, K, nodes, columns, step, Fd)
+        for g in self.groups:
+            for K, nodes, columns in g.physics.inertia_tangent(self.state, (self.beta, self.gamma)):
                 self._add(A, K, nodes, columns, step, Fd)

@@ -11,6 +11,7 @@ from febkit.model import InputError, Model, UnsupportedError, Where, as_record
 from febkit.model import Step as ModelStep
 from febkit.model.source import together
 from febkit.model.species import solutes
+from febkit.solver.elements import LINES
 from febkit.solver.fields import DISPLACEMENT, PRESSURE, Layout, concentration
 from febkit.solver.problem import DYNAMIC, Block, Problem, Step
 
@@ -80,6 +81,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         from . import ties
 
         ties.check(ctx, [(common, s) for s in steps])
+    if any(d.kind == "beam" for d in model.domains):
+        from . import beams
+
+        beams.check(ctx, blocks, common, steps)
     _midpoint(ctx, blocks, steps)
     _end(ctx, steps)
     if not steps:
@@ -108,7 +113,7 @@ def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
         elif s.analysis == DYNAMIC and s.newton.rho_inf == 1:
             for b in blocks:
-                if not _has_energy(b):
+                if b.element not in LINES and not _has_energy(b):
                     ctx.refuse(f"<rhoi>1</rhoi> with the material of part {b.name!r}, which gives no strain energy,",
                                spec.control.where if spec.control else None)  # fmt: skip
 

@@ -46,6 +46,17 @@ def _zero_displacement(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     return [Fixed(ctx.column(axis, c), nodes) for axis in "xyz" if c.bool(f"{axis}_dof")]
 
 
+def _zero_rotation(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    ctx.check_tags(c, {"u_dof", "v_dof", "w_dof"})
+    nodes = _nodes(ctx, c)
+    return [Fixed(ctx.column(q, c), nodes) for q in "uvw" if c.bool(f"{q}_dof")] if ctx.layout.turns else []
+
+
+def _prescribed_rotation(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
+    dof = c.need("dof").as_choice({q: q for q in "uvw"})
+    return _prescribed(ctx, c, ctx.column(dof, c)) if ctx.layout.turns else []
+
+
 def _zero_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, set())
     return [Fixed(ctx.column("p", c), _nodes(ctx, c))] if ctx.layout.has("p") else []
@@ -154,6 +165,8 @@ READERS = {
     "matching_osm_coef": _matching_osmotic,
     "zero displacement": _zero_displacement,
     "prescribed displacement": _prescribed_displacement,
+    "zero rotation": _zero_rotation,
+    "prescribed rotation": _prescribed_rotation,
     "zero shell displacement": _zero_shell,
     "prescribed shell displacement": _prescribed_shell,
     "zero fluid pressure": _zero_pressure,

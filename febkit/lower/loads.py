@@ -165,6 +165,8 @@ def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, rela
         X = ctx.X[nodes]
     if dof == "p":  # FEBio multiplies loads on the pressure by the step size
         return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf))
+    if dof in ("u", "v", "w") and ctx.layout.turns:
+        return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
     if dof not in ("x", "y", "z"):
         ctx.refuse(f"a nodal load on {dof}", c.where)
         dof = "x"
@@ -185,7 +187,7 @@ def _body(ctx: Context, c: Component, analysis: str) -> Any:
     where = c.attrs.get("elem_set") or ""
     if where:
         ids = element_ids(ctx.model.mesh, where, c.where)
-        named = {d.block for d in ctx.model.domains if d.kind == "solid"}
+        named = {d.block for d in ctx.model.domains if d.kind in ("solid", "beam")}
         rows = {n: np.flatnonzero(np.isin(ctx.blocks[n].ids, ids)) for n in named if n in ctx.blocks}
         rows = {n: r for n, r in rows.items() if len(r)}
         kw["blocks"], kw["elements"] = tuple(rows), rows

@@ -36,13 +36,13 @@ def _axes() -> Any:
 
 
 def blocks(ctx: Context) -> list[Block]:
-    """One solver block per solid or shell domain."""
+    """One solver block per domain."""
     out = []
     named = {m.name: m for m in ctx.model.materials}
     if not ctx.model.domains:
         raise InputError("the model has no <MeshDomains>: no element has a material", Where(ctx.model.file))
     for d in ctx.model.domains:
-        if d.kind not in ("solid", "shell"):
+        if d.kind not in ("solid", "shell", "beam"):
             ctx.refuse(f'a {d.kind} domain (part "{d.block}")', d.where)
             continue
         if d.block not in ctx.blocks:
@@ -53,10 +53,16 @@ def blocks(ctx: Context) -> list[Block]:
             continue
         if d.material in ctx.rigid:  # its nodes are led; its elements do nothing
             continue
-        b = _block(ctx, d, named[d.material])
+        b = (_lines if d.kind == "beam" else _block)(ctx, d, named[d.material])
         if b is not None:
             out.append(b)
     return out
+
+
+def _lines(ctx: Context, d: Domain, spec: Component) -> Block | None:
+    from . import beams
+
+    return beams.block(ctx, d, spec, record)
 
 
 def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:

@@ -94,7 +94,7 @@ def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tupl
     shells = [b for b in blocks if b.name in domains]
     for b in shells:
         _check_normals(ctx, b, domains[b.name])
-    solids = [b for b in blocks if b.name not in domains]
+    solids = [b for b in blocks if b.name not in domains and b.element in elements.VOLUMES]
     made = thicken(
         ctx.model.mesh.X,
         [Shell(ctx.blocks[b.name].type, b.conn, thickness(ctx, domains[b.name])) for b in shells],

@@ -56,7 +56,7 @@ class BodyLoad(Action):
         for g in groups:
             if self._acts(g):
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
-                kernels.force(g.conn, g.N, self._mass(g)[0], a, state.layout.u(R))
+                kernels.force(g.conn, g.N, g.physics.pull * self._mass(g)[0], a, state.layout.u(R))
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out: Matrices = []
@@ -70,7 +70,7 @@ class BodyLoad(Action):
             K = np.zeros((g.m, 3 * g.n, 3 * g.n))
             if self.moves:
                 rate = self.rate / state.dt if state.dt > 0 else 0.0
-                kernels.stiffness(g.N, mass, self.alpha * self.gradient(state, g, rate), K)
+                kernels.stiffness(g.N, g.physics.pull * mass, self.alpha * self.gradient(state, g, rate), K)
             if heavy:
                 a = np.ascontiguousarray(self.acceleration(state, g), dtype=float)
                 kernels.swelling(g.N, g.dN, g.iJ0, g.F, g.J, swelling, a, K)

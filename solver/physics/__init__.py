@@ -14,6 +14,9 @@ FILES = {
     "biphasic": "biphasic",
     "multiphasic": "multiphasic",
     "three-field": "three_field",
+    "beam": "beam",
+    "linear truss": "truss",
+    "elastic truss": "truss",
 }
 _all: Registry[Any] = Registry(__name__, FILES)
 register, load = _all.register, _all.load

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from ..action import Matrices
     from ..fields import Field
     from ..group import Chunk, Group
     from ..points import Points
@@ -35,11 +36,15 @@ class Work:
     ``memory``: names of the arrays that a failed step gives back; ``held``: names of arrays at the points with what
     messages call them, which must be finite. ``outputs``: FEBio's names of plot variables with
     functions from the work to values at the integration points (m, g[, component]), None where it has none.
+    ``spins``: its inertia is its own, not that of the mass of displacements alone (:mod:`..mass`); ``pull``: sign of
+    body loads on it.
     """
 
     memory: ClassVar[tuple[str, ...]] = ()
     held: ClassVar[Mapping[str, str]] = {}
     outputs: ClassVar[Mapping[str, Output]] = {}
+    spins: ClassVar[bool] = False
+    pull: ClassVar[float] = 1.0
 
     def __init__(self, group: Group, physics: Physics) -> None:
         self.group = group
@@ -77,12 +82,23 @@ class Work:
         """Add the tangents of a chunk's elements to ``target``."""
         raise NotImplementedError
 
+    def inertia(self, state: State, R: Floats) -> None:
+        """Subtract its own forces of inertia from R (node, column)."""
+
+    def inertia_tangent(self, state: State, rule: tuple[float, float]) -> Matrices:
+        """Minus their derivative by what the nodes do in the step, by Newmark's ``rule`` (beta, gamma); of t = 0, what
+        takes accelerations to forces."""
+        return []
+
     # ---- steps ------------------------------------------------------------------------------------
     def start(self, state: State) -> None:
         """Take what initial conditions gave the nodes, as an analysis step begins."""
 
     def begin_step(self, state: State) -> None:
         """The present state becomes the last converged one."""
+
+    def settle(self) -> None:
+        """The state after an iteration is the one that increments of the next start from."""
 
     def rates(self) -> list[tuple[Floats, Floats]]:
         """What rates are differences of: arrays (at the last converged state, now)."""

@@ -12,6 +12,7 @@ START, END = "<!-- supported: start -->", "<!-- supported: end -->"
 def lists() -> str:
     """Markdown of what the solver knows."""
     from febkit.lower import CONSTRAINTS
+    from febkit.lower.beams import KINDS as BEAMS
     from febkit.lower.conditions import READERS
     from febkit.lower.connectors import KINDS
     from febkit.lower.materials import UNPROVEN
@@ -49,6 +50,7 @@ def lists() -> str:
         "rigid bodies": sorted({kind for _, kind in RIGID} | set(KINDS)),
         "springs": sorted(LAWS),
         "elements": list(elements.VOLUMES),
+        "beams and trusses": sorted(BEAMS),
         "shells": [s.removeprefix("shell_") for s in elements.SHELLS],
     }
     out = ["| | |", "|---|---|"]

@@ -16,6 +16,7 @@ from .base import mean as _mean
 FILES: dict[str, tuple[str, ...]] = {
     "nodes": (
         "displacement", "nodal velocity", "nodal acceleration", "reaction forces", "incremental displacement",
+        "rotation",
     ),
     "kinematics": (
         "deformation gradient", "Lagrange strain", "infinitesimal strain", "Almansi strain", "right Cauchy-Green",
@@ -105,7 +106,7 @@ def find(name: str, solutes: bool = True) -> Give | None:
         import_module(f"{__name__}.{_FILE[name]}")
         return table[name]
     if any(name in physics.load(p).work.outputs for p in physics.FILES if solutes or p != "multiphasic"):
-        return _mean(lambda part: part.at_points(name))
+        return _mean(lambda part: part.at_points(name), lines=True)
     return None
 
 

@@ -198,9 +198,9 @@ def shared(function: Callable[[Any], T]) -> Callable[[Any], T]:
 
 
 # ---- how values at integration points are written --------------------------------------------------------
-def _of_groups(points: AtPoints, write: Callable[[Part, Floats], Floats]) -> Give:
+def _of_groups(points: AtPoints, write: Callable[[Part, Floats], Floats], lines: bool = False) -> Give:
     def give(part: Part, *more: Any) -> Floats | None:
-        if part.group is None:
+        if part.group is None or (part.domain.kind == "beam" and not lines):
             return None
         values = points(part, *more)
         return None if values is None else write(part, values)
@@ -209,9 +209,10 @@ def _of_groups(points: AtPoints, write: Callable[[Part, Floats], Floats]) -> Giv
     return give
 
 
-def mean(points: AtPoints) -> Give:
-    """The mean over the points of each element, as FEBio writes element data (element, ...)."""
-    return _of_groups(points, lambda part, v: v.mean(axis=1))
+def mean(points: AtPoints, lines: bool = False) -> Give:
+    """The mean over the points of each element, as FEBio writes element data (element, ...); ``lines``: beams and
+    trusses have it too."""
+    return _of_groups(points, lambda part, v: v.mean(axis=1), lines)
 
 
 def at_nodes(points: AtPoints) -> Give:

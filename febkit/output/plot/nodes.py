@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .base import Floats, View, register
 
 
@@ -13,8 +15,15 @@ def incremental(view: View) -> Floats:
     return x - before
 
 
+def rotation(view: View) -> Floats:
+    """Rotation vector of a beam's node, zero elsewhere."""
+    s = view.state
+    return s.of("rotation") if s.layout.turns else np.zeros_like(s.X)
+
+
 register("displacement", lambda view: view.state.u)
 register("nodal velocity", lambda view: view.state.velocity)
 register("nodal acceleration", lambda view: view.state.acceleration)
 register("reaction forces", lambda view: view.state.reaction)
 register("incremental displacement", incremental)
+register("rotation", rotation)
