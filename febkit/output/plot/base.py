@@ -200,7 +200,7 @@ def shared(function: Callable[[Any], T]) -> Callable[[Any], T]:
 # ---- how values at integration points are written --------------------------------------------------------
 def _of_groups(points: AtPoints, write: Callable[[Part, Floats], Floats], lines: bool = False) -> Give:
     def give(part: Part, *more: Any) -> Floats | None:
-        if part.group is None or (part.domain.kind == "beam" and not lines):
+        if part.group is None or (part.kind == "beam" and not lines):
             return None
         values = points(part, *more)
         return None if values is None else write(part, values)
