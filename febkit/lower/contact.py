@@ -65,6 +65,9 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
+# what counts with friction alone
+WETS: dict[str, Reader] = {"contact_frac": NUMBER, "smooth_fls": FLAG}
+BESIDES = {"sliding-node-on-facet": {"fric_penalty": NUMBER}, "sliding-biphasic": WETS, "sliding-multiphasic": WETS}
 # materials whose fluid and solutes do not pass a contact in FEBio, and the contact that lets them pass
 DENSE: dict[str, tuple[frozenset[str], str]] = {
     "tied-biphasic": (frozenset({"biphasic-solute", "triphasic", "multiphasic"}), "tied-multiphasic"),
@@ -110,8 +113,7 @@ def _contact(ctx: Context, c: Component) -> Any:
     friction = _friction(ctx, c)
     if friction:
         kw["fric_coeff"] = friction
-        if c.type == "sliding-node-on-facet":
-            kw["fric_penalty"] = c.float("fric_penalty", 0.0)
+        kw |= {tag: read(ctx, c.need(tag)) for tag, read in BESIDES.get(c.type or "", {}).items() if c.child(tag)}
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
     needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "") or c.type in OF_MIXTURES

@@ -24,11 +24,15 @@ TYPES = {
 }
 FRICTION = {  # the names of types with friction
     "sliding-elastic": "sliding-elastic with friction",
+    "sliding-biphasic": "sliding-biphasic with friction",
+    "sliding-multiphasic": "sliding-multiphasic with friction",
     "sliding-node-on-facet": "sliding-node-on-facet with friction",
 }
 FILES = {
     **TYPES,
     "sliding-elastic with friction": "sliding_friction",
+    "sliding-biphasic with friction": "biphasic_friction",
+    "sliding-multiphasic with friction": "multiphasic_friction",
     "sliding-node-on-facet with friction": "node_friction",
 }
 _all: Registry[Any] = Registry(__name__, FILES)

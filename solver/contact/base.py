@@ -212,13 +212,17 @@ class Contact(Action):
         """Pressure at the points of a side (q,)."""
         raise NotImplementedError
 
+    def bearing(self, s: Side, state: State) -> Floats:
+        """As :meth:`pressure`, from the present gaps, where that waits for the residual."""
+        return self.pressure(s, state)
+
     def net_pressure(self, s: Side, state: State) -> Floats:
         """Pressure (q,) with what the other surface's own pass adds where there are two."""
-        p = self.pressure(s, state)
+        p = self.bearing(s, state)
         if len(self.passes) < 2:
             return p
         o = next(q for q in self.sides if q is not s)
-        other = self.pressure(o, state)
+        other = self.bearing(o, state)
         at = np.where(o.surface.local >= 0, other[o.surface.local], 0.0) if o.nodal else o.surface.to_nodes(other)
         return p + np.where(s.partner >= 0, np.maximum((s.M * at[s.partner]).sum(axis=1), 0.0), 0.0)
 

@@ -49,11 +49,15 @@ class Passage:
         """Points whose facets hold the field on both sides."""
         return self.own[s.facet] & self.beyond[s.partner] & (s.partner >= 0)
 
-    def update(self, s: Side, state: State) -> None:
-        """Take the differences at the present state."""
+    def values(self, s: Side, state: State) -> tuple[Floats, Floats]:
+        """p1 and p2 (q,) at the present state."""
         p = state.layout.scalar(state.d, self.field)
         here = (s.N * p[np.maximum(s.conn, 0)][s.facet]).sum(axis=1)
-        there = (s.M * p[np.maximum(s.other.conn, 0)][s.partner]).sum(axis=1)
+        return here, (s.M * p[np.maximum(s.other.conn, 0)][s.partner]).sum(axis=1)
+
+    def update(self, s: Side, state: State) -> None:
+        """Take the differences at the present state."""
+        here, there = self.values(s, state)
         self.step = np.where(self.open(s), here - there, 0.0)
 
     def flow(self, s: Side, bears: Bools | None = None) -> tuple[Floats, Floats]:

@@ -11,7 +11,6 @@ from .. import elements
 from ..fields import PRESSURE
 from ..kernels import contact as contact_kernels
 from ..kernels import contact_flow, ray
-from ..kernels import sliding_elastic as kernels
 from . import register
 from .base import Floats, Ints, Matrices, Progress, Side
 from .passage import Passage, Passages, Steps, holds
@@ -104,42 +103,44 @@ class SlidingBiphasic(SlidingElastic):
         out = []
         for s in self.passes:
             assert isinstance(s, SlidingFluid)
-            p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
-            flows = [q.flow(s, p > 0.0) for q in s.passages]
-            for rows, a, b, nodes in s.pairs(p != 0.0):
-                for i, (q, (wn, eps_p)) in enumerate(zip(s.passages, flows, strict=True)):
-                    K, unknowns, columns = q.unknowns(state, nodes)
-                    if i == 0:
-                        kernels.stiffness(
-                            w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
-                            w.weight, s.normals, s.gap, eps, p, 1.0, K,
-                        )  # fmt: skip
-                    values = np.ascontiguousarray(state.layout.scalar(state.d, q.field))
-                    contact_flow.sliding(
-                        w.T, state.x, values, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M,
-                        w.weight, s.normals, s.gap, wn, eps_p, state.dt, K,
-                    )  # fmt: skip
-                    out.append((K, unknowns, columns))
+            kinds = self.tangents(s, state)
+            flows = [q.flow(s, self.pressure(s, state) > 0.0) for q in s.passages]
+            for acting, tangent in kinds:
+                for rows, a, b, nodes in s.pairs(acting):
+                    for i, (q, flow) in enumerate(zip(s.passages, flows, strict=True)):
+                        K, unknowns, columns = q.unknowns(state, nodes)
+                        if i == 0:
+                            tangent(s, state, rows, a, b, K)
+                        self.passing(s, state, q, flow, rows, a, b, K)
+                        out.append((K, unknowns, columns))
         return out
+
+    def passing(
+        self, s: Side, state: State, q: Passage, flow: tuple[Floats, Floats], rows: Ints, a: int, b: int, K: Floats
+    ) -> None:  # fmt: skip
+        """Add the tangents of what passes between points that slide; ``flow``: wn and eps (q,)."""
+        assert isinstance(s, SlidingFluid)
+        w, o, values = s.surface, s.other, np.ascontiguousarray(state.layout.scalar(state.d, q.field))
+        contact_flow.sliding(
+            w.T, state.x, values, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
+            s.normals, s.gap, *flow, state.dt, K,
+        )  # fmt: skip
 
     def augment(self, done: int, state: State) -> bool:
         """As sliding contact, the flows' multipliers too; differences over tractions are small at the end."""
         if not self.laugon:
             return True
-        steps, traction = Steps(), 0.0
+        steps = Steps()
         for s in self.sides:
             assert isinstance(s, SlidingFluid)
-            new = s.multiplier + self.stiffnesses(s, state) * s.gap
+            new = self.trial(s, state)
             for q in s.passages:
                 touching = (new > 0.0) & q.own.any()
                 q.multiplier = np.where(touching, q.multiplier + q.penalty * q.conductance * q.step, 0.0)
                 steps.add(q, touching)
-            traction += float((np.maximum(new, 0.0) ** 2).sum())
-        loose = steps.loose(traction, self.tolerance, self.ptol, self.ctol, self.RT)
-        if max(self.tolerance, self.gaptol, self.ptol, self.ctol) <= 0.0:
-            return done >= self.minaug
-        good = super().augment(done, state)
-        return (good and not loose) or done >= self.maxaug
+        before, after, gap = self.renew(state)
+        good = self.settled(done, before, after, gap, state)
+        return (good and not steps.loose(after, self.tolerance, self.ptol, self.ctol, self.RT)) or done >= self.maxaug
 
     # ---- free draining ----------------------------------------------------------------------------
     def drained(self, state: State) -> tuple[Ints, Ints]:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..kernels import sliding_elastic as kernels
 from . import register
-from .base import Contact, Floats, Matrices, Progress, Side, matrices
+from .base import Contact, Floats, Ints, Matrices, Progress, Side, matrices
 from .penalty import automatic
 
 if TYPE_CHECKING:
     from ..group import Group
     from ..state import State
+
+# (side, state, points of one kind of pair, numbers of nodes, matrices)
+Tangent = Callable[["Side", "State", Ints, int, int, Floats], None]
 
 
 class SlidingPoints(Side):
@@ -98,7 +103,7 @@ class SlidingElastic(Contact):
     def pressure(self, s: Side, state: State) -> Floats:
         """p (q,), zero where a point has no partner."""
         assert isinstance(s, SlidingPoints)
-        p = s.multiplier + self.stiffnesses(s, state) * s.gap
+        p = self.trial(s, state)
         return np.where(s.partner >= 0, p if self.tension else np.maximum(p, 0.0), 0.0)
 
     def values(self, s: Side, what: str, state: State) -> Floats | None:
@@ -116,34 +121,56 @@ class SlidingElastic(Contact):
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         out = []
         for s in self.passes:
-            assert isinstance(s, SlidingPoints)
-            p, eps, o, w = self.pressure(s, state), self.stiffnesses(s, state), s.other, s.surface
-            for rows, a, b, nodes in s.pairs(p != 0.0):
-                K, unknowns, columns = matrices(state, nodes)
-                kernels.stiffness(
-                    w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight,
-                    s.normals, s.gap, eps, p, float(self.knmult), K,
-                )  # fmt: skip
-                out.append((K, unknowns, columns))
+            for acting, tangent in self.tangents(s, state):
+                for rows, a, b, nodes in s.pairs(acting):
+                    K, unknowns, columns = matrices(state, nodes)
+                    tangent(s, state, rows, a, b, K)
+                    out.append((K, unknowns, columns))
         return out
+
+    def tangents(self, s: Side, state: State) -> list[tuple[NDArray[np.bool_], Tangent]]:
+        """Points (q,) of a kind, and what adds their tangents to matrices of displacements."""
+        return [(self.pressure(s, state) != 0.0, self.sliding)]
+
+    def sliding(self, s: Side, state: State, rows: Ints, a: int, b: int, K: Floats) -> None:
+        """Add the tangents of points that slide without friction."""
+        assert isinstance(s, SlidingPoints)
+        o, w = s.other, s.surface
+        kernels.stiffness(
+            w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight, s.normals,
+            s.gap, self.stiffnesses(s, state), self.pressure(s, state), float(self.knmult), K,
+        )  # fmt: skip
 
     def augment(self, done: int, state: State) -> bool:
         """L = p; ends where the relative change of |L|^2 and the largest gap in contact are small."""
         if not self.laugon or (self.tolerance <= 0.0 and self.gaptol <= 0.0):
             return True
+        return self.settled(done, *self.renew(state), state)
+
+    def settled(self, done: int, before: float, after: float, gap: float, state: State) -> bool:
+        """Have the multipliers converged, whose squares were ``before``? The surfaces are projected anew."""
+        change = abs(after - before) / (after or 1.0)
+        good = not (0 < self.gaptol < gap) and not (0 < self.tolerance < change) and done >= self.minaug
+        self.project(state, True)
+        return good or done >= self.maxaug
+
+    def renew(self, state: State) -> tuple[float, float, float]:
+        """New multipliers; sums of their squares before and after, and the largest gap in contact."""
         n0 = n1 = gap = 0.0
         for s in self.sides:
             assert isinstance(s, SlidingPoints)
             n0 += float((s.multiplier**2).sum())
-            new = s.multiplier + self.stiffnesses(s, state) * s.gap
+            new = self.trial(s, state)
             counts = (new > 0.0) | self.tension
             gap = max(gap, float(np.abs(s.gap[counts]).max(initial=0.0)))
             s.multiplier = new if self.tension else np.maximum(new, 0.0)
             n1 += float((s.multiplier**2).sum())
-        change = abs(n1 - n0) / (n1 or 1.0)
-        good = not (0 < self.gaptol < gap) and not (0 < self.tolerance < change) and done >= self.minaug
-        self.project(state, True)
-        return good or done >= self.maxaug
+        return n0, n1, gap
+
+    def trial(self, s: Side, state: State) -> Floats:
+        """L + eps g (q,)."""
+        assert isinstance(s, SlidingPoints)
+        return np.asarray(s.multiplier + self.stiffnesses(s, state) * s.gap)
 
     def snapshot(self) -> Any:
         return super().snapshot(), self._since, self._augmented

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..kernels import contact
 from ..kernels import friction as kernels
-from ..kernels import sliding_elastic as normal
 from . import register
-from .base import Floats, Matrices, Progress, Side, matrices
-from .sliding_elastic import SlidingElastic, SlidingPoints
+from .base import Floats, Ints, Progress, Side
+from .sliding_elastic import SlidingElastic, SlidingPoints, Tangent
 
 if TYPE_CHECKING:
     from ..state import State
 
 
 class FrictionPoints(SlidingPoints):
-    """At integration points besides: partners when the step began, tractions, their multipliers, directions of slip."""
+    """At integration points besides: partners when the step began, tractions, their multipliers, directions of slip,
+    coefficients of friction."""
 
     memory = (*SlidingPoints.memory, "traction_multiplier", "before", "rs_before", "sticks", "dg", "s")
 
@@ -28,7 +29,7 @@ class FrictionPoints(SlidingPoints):
         q = self.n
         self.traction_multiplier, self.dg, self.s, self.t = (np.zeros((q, 3)) for _ in range(4))
         self.before, self.rs_before = np.full(q, -1, np.int64), np.zeros((q, 2))
-        self.sticks, self.p = np.zeros(q, bool), np.zeros(q)
+        self.sticks, self.p, self.m = np.zeros(q, bool), np.zeros(q), np.zeros(q)
 
 
 @dataclass(eq=False)
@@ -40,6 +41,8 @@ class SlidingFriction(SlidingElastic):
 
     fric_coeff: float = 0.0
     side: ClassVar[type[Side]] = FrictionPoints
+    contact_frac = 1.0  # the fluid bears nothing
+    smooth_fls = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -59,20 +62,37 @@ class SlidingFriction(SlidingElastic):
             apart = s.partner < 0
             s.dg[apart] = s.traction_multiplier[apart] = 0.0
 
-    def _tractions(self, s: FrictionPoints, state: State) -> None:
+    def fluid(self, s: FrictionPoints, state: State) -> Floats:
+        """Pressure of the fluid (q,), or the part of the load that it bears where ``smooth_fls``."""
+        return np.zeros(s.n)
+
+    def tractions(self, s: FrictionPoints, state: State) -> None:
         """Who sticks, and the tractions."""
         w, o = s.surface, s.other
         before = state.X + state.u_old
         kernels.tractions(
             w.T, state.x, before, w.conn, w.count, w.facet, o.conn, o.count, s.points, s.normals, w.N, w.G, s.M, s.gap,
-            self.stiffnesses(s, state), s.multiplier, s.traction_multiplier, self.fric_coeff, self.offset, s.partner,
-            s.rs, s.before, s.rs_before, s.sticks, s.dg, s.s, s.p, s.t,
+            self.stiffnesses(s, state), s.multiplier, s.traction_multiplier, self.fric_coeff, 1.0 - self.contact_frac,
+            self.fluid(s, state), self.smooth_fls, self.offset, s.partner, s.rs, s.before, s.rs_before, s.sticks, s.dg,
+            s.s, s.m, s.p, s.t,
         )  # fmt: skip
         s.shapes(state.x)
 
     def pressure(self, s: Side, state: State) -> Floats:
         assert isinstance(s, FrictionPoints)
         return s.p
+
+    def trial(self, s: Side, state: State) -> Floats:
+        """L + eps g where points slip, minus the normal part of L + eps dg where they stick."""
+        assert isinstance(s, FrictionPoints)
+        held = s.traction_multiplier + self.stiffnesses(s, state)[:, None] * s.dg
+        return np.where(s.sticks, -(held * s.normals).sum(axis=1), super().trial(s, state))
+
+    def bearing(self, s: Side, state: State) -> Floats:
+        """The pressure by who stuck in the last residual, as FEBio has it."""
+        assert isinstance(s, FrictionPoints)
+        p = self.trial(s, state)
+        return np.where(s.sticks, p, np.maximum(p, 0.0))
 
     def values(self, s: Side, what: str, state: State) -> Floats | None:
         assert isinstance(s, FrictionPoints)
@@ -81,62 +101,53 @@ class SlidingFriction(SlidingElastic):
     def residual(self, state: State, R: Floats) -> None:
         for s in self.passes:
             assert isinstance(s, FrictionPoints)
-            self._tractions(s, state)
+            self.tractions(s, state)
             s.spread(state, (s.detJ * s.surface.weight)[:, None] * s.t, R)
 
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        out = []
-        for s in self.passes:
-            assert isinstance(s, FrictionPoints)
-            self._tractions(s, state)
-            for sticking in (True, False):
-                acting = (s.p != 0.0) & (s.sticks == sticking)
-                for rows, a, b, nodes in s.pairs(acting):
-                    K, unknowns, columns = matrices(state, nodes)
-                    (self._stick if sticking else self._slip)(s, state, rows, a, b, K)
-                    out.append((K, unknowns, columns))
-        return out
+    def tangents(self, s: Side, state: State) -> list[tuple[NDArray[np.bool_], Tangent]]:
+        assert isinstance(s, FrictionPoints)
+        self.tractions(s, state)
+        acts = s.p != 0.0
+        return [(acts & s.sticks, self.sticking), (acts & ~s.sticks, self.slipping)]
 
-    def _stick(self, s: FrictionPoints, state: State, rows: np.ndarray, a: int, b: int, K: Floats) -> None:
+    def sticking(self, s: Side, state: State, rows: Ints, a: int, b: int, K: Floats) -> None:
+        """Add the tangents of points that stick."""
+        assert isinstance(s, FrictionPoints)
         w = s.surface
         k = self.stiffnesses(s, state) * s.detJ * w.weight
         contact.penalty_stiffness(rows, a, b, w.N, s.M, k, K)
         contact.area_stiffness(state.x, w.conn, w.facet, rows, a, b, w.N, w.G, s.M, w.weight, s.t, K)
 
-    def _slip(self, s: FrictionPoints, state: State, rows: np.ndarray, a: int, b: int, K: Floats) -> None:
-        w, o, eps = s.surface, s.other, self.stiffnesses(s, state)
-        normal.stiffness(
-            w.T, state.x, w.conn, w.facet, o.conn, s.partner, s.rs, rows, a, b, w.N, w.G, s.M, w.weight, s.normals,
-            s.gap, eps, s.p, 1.0, K,
-        )  # fmt: skip
+    def slipping(self, s: Side, state: State, rows: Ints, a: int, b: int, K: Floats) -> None:
+        """Add the tangents of points that slip."""
+        assert isinstance(s, FrictionPoints)
+        self.sliding(s, state, rows, a, b, K)
+        w, o = s.surface, s.other
         kernels.stiffness(
             w.T, state.x, state.X + state.u_old, w.conn, w.count, w.facet, o.conn, o.count, s.partner, s.rs,
-            rows, a, b, w.N, w.G, s.M, w.weight, s.normals, s.gap, eps, s.p, self.fric_coeff, K,
+            rows, a, b, w.N, w.G, s.M, w.weight, s.normals, s.gap, self.stiffnesses(s, state), s.p, self.fric_coeff,
+            s.m, K,
         )  # fmt: skip
 
-    def augment(self, done: int, state: State) -> bool:
-        """Multipliers of tractions where points stick, of pressures where they slip; ends as without friction."""
-        if not self.laugon or (self.tolerance <= 0.0 and self.gaptol <= 0.0):
-            return True
+    def renew(self, state: State) -> tuple[float, float, float]:
+        """Multipliers of tractions where points stick, of pressures where they slip."""
         n0 = n1 = gap = 0.0
         for s in self.sides:
             assert isinstance(s, FrictionPoints)
-            eps, stick = self.stiffnesses(s, state), s.sticks
+            stick, new = s.sticks, self.trial(s, state)
             n0 += float(np.where(stick, (s.traction_multiplier**2).sum(axis=1), s.multiplier**2).sum())
-            trial = s.traction_multiplier + eps[:, None] * s.dg
-            slid = s.multiplier + eps * s.gap
-            held = -(trial * s.normals).sum(axis=1)
-            touching = np.where(stick, held, slid) > 0.0
             size = np.where(stick, np.linalg.norm(s.dg, axis=1), np.abs(s.gap))
-            gap = max(gap, float(size[touching].max(initial=0.0)))
-            s.multiplier = np.where(stick, held, np.maximum(slid, 0.0))
-            slipping = -(s.normals + self.fric_coeff * s.s) * s.multiplier[:, None]
-            s.traction_multiplier = np.where(stick[:, None], trial, slipping)
+            gap = max(gap, float(size[new > 0.0].max(initial=0.0)))
+            held = s.traction_multiplier + self.stiffnesses(s, state)[:, None] * s.dg
+            s.multiplier = np.where(stick, new, np.maximum(new, 0.0))
+            slipping = -(s.normals * s.multiplier[:, None] + s.s * self.drag(s)[:, None])
+            s.traction_multiplier = np.where(stick[:, None], held, slipping)
             n1 += float(np.where(stick, (s.traction_multiplier**2).sum(axis=1), s.multiplier**2).sum())
-        change = abs(n1 - n0) / (n1 or 1.0)
-        good = not (0 < self.gaptol < gap) and not (0 < self.tolerance < change) and done >= self.minaug
-        self.project(state, True)
-        return good or done >= self.maxaug
+        return n0, n1, gap
+
+    def drag(self, s: FrictionPoints) -> Floats:
+        """Tractions (q,) along the surface under the multipliers of the pressure."""
+        return self.fric_coeff * s.multiplier
 
 
 register(SlidingFriction, "sliding-elastic with friction")

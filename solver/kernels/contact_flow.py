@@ -96,3 +96,17 @@ def sliding(
                 for b in range(nm):
                     u = -gap[q] * (Gm[b, 0] * r + Gm[b, 1] * s)
                     K[j, 3 * m + ns + b, 3 * d + i] -= f * u * n[i]
+
+
+@kernel
+def relief(rows, ns, nm, N, M, drag, K):
+    """What the primary's pressures add to the rows of displacements by relieving friction; drag (q, 3): force per
+    pressure of a point that slips, against it."""
+    W, m = np.empty(18), ns + nm
+    for j in range(len(rows)):
+        q = rows[j]
+        contact.weights(N[q], M[q], ns, nm, W)
+        for b in range(m):
+            for d in range(ns):
+                for i in range(3):
+                    K[j, 3 * b + i, 3 * m + d] -= W[b] * W[d] * drag[q, i]

@@ -1,9 +1,10 @@
 """Coulomb friction on top of :mod:`.sliding_elastic`: which points stick, tractions, and what slip adds to tangents.
 
 A point that touched the other surface at the start of the step sticks to where it did, with the traction
-t = L + eps (x2 - x1), while |t - n (t . n)| < mu |t . n|; else it slips with t = -p (n + mu s), s the direction of
-its slip over the step. Source: Zimmerman and Ateshian, J. Biomech. Eng. 140 (2018) 081013, and the FEBio Theory
-Manual, "Sliding elastic".
+t = L + eps (x2 - x1), while |t - n (t . n)| < m |t . n|; else it slips with t = -p (n + m s), s the direction of
+its slip over the step. m = mu (1 - a f), at least 0, where the fluid bears a share f of the load and ``share`` a of the
+area; m = mu without fluid. Source: Zimmerman and Ateshian, J. Biomech. Eng. 140 (2018) 081013; Ateshian, J. Biomech. 42
+(2009) 1163; FEBio Theory Manual, "Sliding elastic" and "Sliding biphasic".
 """
 
 from __future__ import annotations
@@ -57,18 +58,24 @@ def slip(x, y, sconn, ns, mconn, nm, N, G, M, n, g, gs, gp, w, dr, m):
 
 
 @kernel
+def coefficient(mu, share, fluid, smooth, p):
+    """m under the pressure p > 0; ``fluid``: the fluid's pressure, or the part f of the load that it bears (smooth)."""
+    return mu * (1.0 - min(share * (fluid if smooth else fluid / p), 1.0))
+
+
+@kernel
 def tractions(
-    T, x, y, sconn, scount, facet, mconn, mcount, points, normals, N, G, M, gap, eps, L, Lt, mu, offset, partner, rs,
-    before, rs_before, sticks, dg, s, p, t,
+    T, x, y, sconn, scount, facet, mconn, mcount, points, normals, N, G, M, gap, eps, L, Lt, mu, share, fluid, smooth,
+    offset, partner, rs, before, rs_before, sticks, dg, s, m, p, t,
 ):  # fmt: skip
     """Tractions t (q, 3) and pressures p (q,); points that stick get the partner ``before`` back.
 
-    sticks (q,), dg (q, 3): those that do, and their distances; s (q, 3): directions of slip.
+    sticks (q,), dg (q, 3): those that do, and their distances; s (q, 3), m (q,): directions of slip, coefficients.
     """
     gs, gp, w = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    dr, m, H, at = np.empty(3), np.empty(3), np.empty(9), np.empty(3)
+    dr, da, H, at = np.empty(3), np.empty(3), np.empty(9), np.empty(3)
     for q in range(len(partner)):
-        sticks[q], p[q] = False, 0.0
+        sticks[q], p[q], m[q] = False, 0.0, 0.0
         for i in range(3):
             t[q, i] = 0.0
         e, n = partner[q], normals[q]
@@ -84,7 +91,7 @@ def tractions(
                 tn += t[q, i] * n[i]
             for i in range(3):
                 tt += (t[q, i] - tn * n[i]) ** 2
-            if tn < 0.0 and math.sqrt(tt) < -mu * tn:
+            if tn < 0.0 and math.sqrt(tt) < -coefficient(mu, share, fluid[q], smooth, -tn) * tn:
                 sticks[q], p[q], partner[q] = True, -tn, o
                 rs[q, 0], rs[q, 1] = rs_before[q, 0], rs_before[q, 1]
                 for i in range(3):
@@ -93,11 +100,12 @@ def tractions(
         p[q] = max(L[q] + eps[q] * gap[q], 0.0)
         if p[q] != 0.0:
             f = facet[q]
-            slip(x, y, sconn[f], scount[f], mconn[e], mcount[e], N[q], G[q], M[q], n, gap[q], gs, gp, w, dr, m)
+            slip(x, y, sconn[f], scount[f], mconn[e], mcount[e], N[q], G[q], M[q], n, gap[q], gs, gp, w, dr, da)
+            m[q] = coefficient(mu, share, fluid[q], smooth, p[q])
         for i in range(3):
             if p[q] != 0.0:
                 s[q, i] = w[0, i]
-            t[q, i] = -p[q] * (n[i] + mu * s[q, i]) if p[q] != 0.0 else 0.0
+            t[q, i] = -p[q] * (n[i] + m[q] * s[q, i]) if p[q] != 0.0 else 0.0
 
 
 @kernel
@@ -141,8 +149,8 @@ def _slip_laws(n, s, dr, m, g, h, area, Q, L1, c, w):
 
 
 @kernel
-def _primary(K, ns, nm, W, G, gs, gp, cs, n, s, c, Q, L1, g, f, area, w):
-    """What the motion of the primary facet adds, f = mu times the (negative) traction per point."""
+def _primary(K, ns, nm, W, G, gs, gp, cs, n, s, c, Q, L1, g, f, h, area, w):
+    """What the motion of the primary facet adds, f and h being m and mu times the (negative) traction per point."""
     for d in range(ns):
         _skew(gs[0], gs[1], G, d, 1.0 / area, w[0])
         _skew(gp[0], gp[1], G, d, 1.0 / area, w[1])
@@ -153,47 +161,48 @@ def _primary(K, ns, nm, W, G, gs, gp, cs, n, s, c, Q, L1, g, f, area, w):
             mc += n[i] * (cs[0, i] * G[d, 0] + cs[1, i] * G[d, 1])
         for i in range(3):
             an = w[0, i, 0] * n[0] + w[0, i, 1] * n[1] + w[0, i, 2] * n[2]
-            w[4, 0, i], w[4, 1, i] = n[i] * mc - an, n[i] * mc + an
+            w[4, 0, i], w[4, 1, i] = h * n[i] * mc - f * an, n[i] * mc + an
         for i in range(3):
             for l in range(3):
-                v = s[i] * w[4, 0, l] - g * c[i] * w[4, 1, l] - w[2, i, l] - g * w[3, i, l]
+                v = s[i] * w[4, 0, l] + f * (-g * c[i] * w[4, 1, l] - w[2, i, l] - g * w[3, i, l])
                 for b in range(ns + nm):
-                    K[3 * b + i, 3 * d + l] += f * W[b] * v
+                    K[3 * b + i, 3 * d + l] += W[b] * v
 
 
 @kernel
 def stiffness(
     T, x, y, sconn, scount, facet, mconn, mcount, partner, rs, rows, ns, nm, N, G, M, weight, normals, gap, eps, p, mu,
-    K,
+    m, K,
 ):  # fmt: skip
     """K (rows, d, d) += what friction adds to :func:`.sliding_elastic.stiffness` (k = 1) for points that slip."""
     W, Gm, a, v = np.empty(18), np.empty((9, 2)), np.empty((2, 2)), np.empty(3)
     gs, gm, cs, cm = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     gp, w, work = np.empty((3, 3)), np.empty((3, 3)), np.empty((5, 3, 3))
-    dr, m, c = np.empty(3), np.empty(3), np.empty(3)
+    dr, da, c = np.empty(3), np.empty(3), np.empty(3)
     Q, L1 = np.empty((3, 3)), np.empty((3, 3))
     for j in range(len(rows)):
         q = rows[j]
         n, sn, mn = normals[q], sconn[facet[q]], mconn[partner[q]]
-        h = slip(x, y, sn, ns, mn, nm, N[q], G[q], M[q], n, gap[q], gs, gp, w, dr, m)
+        h = slip(x, y, sn, ns, mn, nm, N[q], G[q], M[q], n, gap[q], gs, gp, w, dr, da)
         if h == 0.0:
             continue
         s = w[0]
         contact.weights(N[q], M[q], ns, nm, W)
         sliding_elastic.bases(x, T, sn, mn, ns, nm, G[q], rs[q, 0], rs[q, 1], 1.0, Gm, gs, gm, cs, cm, a)
         area = facets.length(gs[2])
-        _slip_laws(n, s, dr, m, gap[q], h, area, Q, L1, c, work)
+        _slip_laws(n, s, dr, da, gap[q], h, area, Q, L1, c, work)
         c0, c1 = facets.dot(cs[0], n), facets.dot(cs[1], n)
         for i in range(3):
             v[i] = n[i] - c0 * gs[0, i] - c1 * gs[1, i]
-        f, t = mu * eps[q] * area * weight[q], -mu * p[q] * area * weight[q]
+        load = -p[q] * area * weight[q]
+        f, t = mu * eps[q] * area * weight[q], m[q] * load
+        _primary(K[j], ns, nm, W, G[q], gs, gp, cs, n, s, c, Q, L1, gap[q], t, mu * load, area, work)
         for i in range(3):
             for l in range(3):
                 u = f * s[i] * v[l] + t * (c[i] * v[l] - Q[i, l])
                 for b in range(ns + nm):
                     for d in range(ns + nm):
                         K[j, 3 * b + i, 3 * d + l] += u * W[b] * W[d]
-        _primary(K[j], ns, nm, W, G[q], gs, gp, cs, n, s, c, Q, L1, gap[q], t, area, work)
         for b in range(nm):
             r = 3 * (ns + b)
             for l in range(3):

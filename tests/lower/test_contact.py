@@ -41,6 +41,20 @@ def test_parameters_reach_the_solver(tmp_path: Path) -> None:
     assert c.penalty(0.0, None, [0])[0] == 7.0
 
 
+BIPHASIC = (
+    '<material id="1" name="m" type="biphasic"><phi0>0.2</phi0><solid type="neo-Hookean"><E>2</E><v>0.3</v></solid>'
+    '<permeability type="perm-const-iso"><perm>1</perm></permeability></material>'
+)
+
+
+def test_friction_of_biphasic_contacts(tmp_path: Path) -> None:
+    inside = "<fric_coeff>0.3</fric_coeff><contact_frac>0.2</contact_frac><smooth_fls>1</smooth_fls>"
+    contact = f'<contact type="sliding-biphasic" surface_pair="faces">{inside}</contact>'
+    text = content(contact).replace(MATERIAL, BIPHASIC).replace('type="solid"', 'type="biphasic"')
+    c = lower(cube.read(tmp_path, text)).common.contacts[0]
+    assert (c.fric_coeff, c.contact_frac, c.smooth_fls) == (0.3, 0.2, True)
+
+
 def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
     plain = made(tmp_path, "").primary.conn["quad4"][0].tolist()
     turned = made(tmp_path, "<flip_primary>1</flip_primary>").primary.conn["quad4"][0].tolist()

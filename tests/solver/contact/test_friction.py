@@ -43,6 +43,59 @@ def test_tangent_is_the_derivative(mu: float, sticks: bool) -> None:
     assert np.abs(K - K.T).max() > 1e-3 * np.abs(K).max()
 
 
+@pytest.mark.parametrize(("mu", "sticks"), [(0.2, False), (50.0, True)])
+def test_fluid_relieves_points_that_slip(mu: float, sticks: bool) -> None:
+    p = scene.Pair(skew=0.1, inset=0.05, biphasic=True)
+    slide = contact.load("sliding-biphasic", friction=True)(
+        **p.sides, fric_coeff=mu, contact_frac=0.2, penalty=3.0, pressure_penalty=2.0
+    )
+    state = scene.started(p, slide)
+    state.dt = 1.0  # by which FEBio's tangent of the relief is multiplied
+    rng = np.random.default_rng(8)
+    d = rng.uniform(-0.01, 0.01, (len(p.X), 4))
+    d[np.unique(p.upper), 2] -= 0.06
+    d[:, 3] = rng.uniform(0.0, 0.02, len(p.X))
+    state.d_old[:] = state.d[:] = d
+    slide.update(state, Progress(0))
+    slide.residual(state, np.zeros_like(d))
+    d = d + np.hstack([rng.uniform(-0.01, 0.01, p.X.shape), rng.uniform(0.0, 0.01, (len(p.X), 1))])
+    d[np.unique(p.upper), 0] += 0.05
+    R = scene.forces(slide, state, d)
+    s = slide.sides[0]
+    acting = s.p > 0
+    assert (s.sticks[acting] == sticks).all()
+    assert acting.sum() > 8
+    assert np.abs(R.sum(axis=0)).max() < 1e-12
+    if not sticks:
+        m = mu * (1.0 - 0.8 * s.p1 / np.where(acting, s.p, 1.0))
+        assert s.m[acting] == pytest.approx(m[acting])
+        across = s.t + s.p[:, None] * s.normals
+        assert np.linalg.norm(across, axis=1)[acting] == pytest.approx((m * s.p)[acting])
+        assert (m[acting] < 0.95 * mu).any()
+    K, D = scene.stiffness(slide, state), scene.difference(slide, state, d)
+    assert np.abs((K - D)[:, 3::4]).max() < 1e-6 * np.abs(K[:, 3::4]).max()
+    assert np.abs(K - D).max() < (1e-6 if sticks else 2e-2) * np.abs(K).max()
+
+
+def test_the_fluid_bears_its_share_of_the_stress() -> None:
+    """f = -p / (n . sigma . n): 1 where the solid bears nothing, less with it, nothing above the pressure around."""
+    from febkit.solver.contact.biphasic_friction import load_support
+    from febkit.solver.group import Group
+
+    p = scene.Pair(n=4, biphasic=True)
+    slide = contact.load("sliding-biphasic", friction=True)(**p.sides, fric_coeff=0.1, smooth_fls=True)
+    state = scene.started(p, slide)
+    groups = [Group(b, p.X) for b in p.blocks]
+    state.d[:, 3] = 0.4
+    for g in groups:
+        g.physics.pg[:] = 0.4
+    s = slide.sides[0]
+    assert load_support(s, groups, state, 0.0) == pytest.approx(1.0)
+    assert load_support(s, groups, state, 0.1) == pytest.approx(0.75)
+    groups[1].physics.s[:, :, 2] = -0.6
+    assert load_support(s, groups, state, 0.0) == pytest.approx(0.4)
+
+
 def test_a_block_that_slides_is_held_back_by_mu_times_its_load() -> None:
     p, mu = scene.Pair(n=4), 0.3
     slide = make(p, mu, penalty=50.0)
