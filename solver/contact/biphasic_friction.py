@@ -90,8 +90,8 @@ class BiphasicFriction(SlidingBiphasic, SlidingFriction):
 def load_support(s: Side, groups: list[Group], state: State, around: float) -> Floats:
     """-p / (n . s . n) at the points (q,), from the means of pressure and stress in the elements behind their facets.
 
-    p is the pressure above that ``around``; 0 where no element with a stress is behind. As in FEBio the normals of a facet's first points count as those of its
-    nodes, between whose values the shape functions go.
+    p is the pressure above that ``around``; 0 where no element with a stress is behind. As in FEBio the normals of a
+    facet's first points count as those of its nodes, between whose values the shape functions go.
     """
     w, out, n = s.surface, np.zeros(s.n), s.normals
     for kind, rows in w.kinds:
