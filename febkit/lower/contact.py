@@ -51,6 +51,9 @@ FLUX: dict[str, Reader] = {
 OF_MIXTURES = ("tied-multiphasic", "sliding-biphasic-solute", "sliding-multiphasic")
 PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
+    "sticky": {
+        **COMMON, "search_tolerance": NUMBER, "max_traction": NUMBER, "snap_tol": NUMBER, "gap_offset": NUMBER,
+    },
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
     "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
@@ -188,7 +191,7 @@ def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, of
     from febkit.solver.contact.surface import Facets
 
     conn = dict(ctx.model.mesh.surfaces[name].facets)
-    at_nodes = "node-on-facet" in (c.type or "")
+    at_nodes = "node-on-facet" in (c.type or "") or c.type == "sticky"
     for kind in conn:
         if kind not in elements.FACETS or (at_nodes and kind not in nodal.WEIGHTS):
             ctx.refuse(f'<contact type="{c.type}"> on {kind} facets', c.where)

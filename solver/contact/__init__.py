@@ -15,6 +15,7 @@ TYPES = {
     "tied-elastic": "tied_elastic",
     "tied-biphasic": "tied_biphasic",
     "tied-multiphasic": "tied_multiphasic",
+    "sticky": "sticky",
     "sliding-elastic": "sliding_elastic",
     "sliding-biphasic": "sliding_biphasic",
     "sliding-biphasic-solute": "sliding_biphasic_solute",

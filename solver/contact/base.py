@@ -86,6 +86,19 @@ class Side:
             self.rs, self.place,
         )  # fmt: skip
 
+    def search(self, x: Floats, points: Floats, tol: float, special: bool) -> tuple[Ints, Floats, Floats]:
+        """Where any points (k, 3) are closest to the other surface: facets or -1 (k,), coordinates (k, 2), places."""
+        o, k = self.other, len(points)
+        o.node_tree.fit(x, 0.0)
+        first, star = o.star
+        partner, rs, place = np.full(k, -1), np.zeros((k, 2)), np.zeros((k, 3))
+        closest.follow(
+            o.T, x, o.conn, o.count, o.nodes, o.local, o.neighbours, first, star, o.node_tree.order,
+            o.node_tree.boxes, points, np.full(k, -1), np.full(k, -1), tol, 0.0, special, False, True, partner, rs,
+            place,
+        )  # fmt: skip
+        return partner, rs, place
+
     @cached_property
     def _none(self) -> Ints:
         return np.full(self.n, -1)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .. import elements
 from ..fields import PRESSURE
 from ..kernels import contact as contact_kernels
 from ..kernels import contact_flow, ray
@@ -174,25 +173,13 @@ class SlidingBiphasic(SlidingElastic):
         primary.facet_tree.fit(x, 2 * self.search_tol)
         ray.find(
             primary.T, x, primary.conn, primary.count, primary.facet_tree.order, primary.facet_tree.boxes,
-            x[other.nodes], _node_normals(other, x), self.search_tol, self.search_radius, False, False, True, partner,
+            x[other.nodes], other.nodal_normals(x), self.search_tol, self.search_radius, False, False, True, partner,
             rs,
         )  # fmt: skip
         M, place = np.zeros((n, 9)), np.zeros((n, 3))
         contact_kernels.partners(primary.T, x, primary.conn, primary.count, partner, rs, M, place)
         value = (M * np.where(primary.local >= 0, p[primary.local], 0.0)[partner]).sum(axis=1)
         return np.where(partner >= 0, value, 0.0)
-
-
-def _node_normals(s: Surface, x: Floats) -> Floats:
-    """Unit normals (m, 3) at the nodes: means over the facets' corners."""
-    out = np.zeros((len(s.nodes), 3))
-    for kind, rows in s.kinds:
-        n = elements.get(kind).nodes
-        y = x[s.conn[rows, :n]]
-        turn = np.cross(np.roll(y, -1, axis=1) - y, np.roll(y, 1, axis=1) - y)
-        np.add.at(out, s.local[rows, :n], turn)
-    size = np.linalg.norm(out, axis=1)[:, None]
-    return np.asarray(out / np.where(size > 0.0, size, 1.0))
 
 
 register(SlidingBiphasic, "sliding-biphasic")

@@ -198,6 +198,17 @@ class Surface:
             np.add.at(out, self.local[rows][:, :n], nodal.areas(kind, self.X[self.conn[rows][:, :n]]))
         return out
 
+    def nodal_normals(self, x: Floats) -> Floats:
+        """Unit normals (m, 3) of the nodes at positions x: means over the facets' corners."""
+        out = np.zeros((len(self.nodes), 3))
+        for kind, rows in self.kinds:
+            n = elements.get(kind).nodes
+            y = x[self.conn[rows, :n]]
+            turn = np.cross(np.roll(y, -1, axis=1) - y, np.roll(y, 1, axis=1) - y)
+            np.add.at(out, self.local[rows, :n], turn)
+        size = np.linalg.norm(out, axis=1)[:, None]
+        return np.asarray(out / np.where(size > 0.0, size, 1.0))
+
     @cached_property
     def shell_offset(self) -> Floats:
         """Half the thickness of shells at the nodes (m,)."""

@@ -64,7 +64,7 @@ def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "inside", "said"),
     [
-        ("sticky", "", 'contact type="sticky"'),
+        ("contact potential", "", 'contact type="contact potential"'),
         ("tied-node-on-facet", "<laugon>LAGMULT</laugon>", "LAGMULT"),
         ("sliding-elastic", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
         ("sliding-elastic", "<node_reloc>1</node_reloc>", "<node_reloc>"),
