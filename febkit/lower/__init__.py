@@ -29,6 +29,8 @@ CONSTRAINTS = {  # type -> module here that reads it
     "node distance": "held",
     "prestrain": "prestrain",
     "in-situ stretch": "prestrain",
+    "tied-line": "lines",
+    "slide-line": "lines",
 }
 
 
@@ -180,7 +182,7 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     if spec.contact:
         from .contact import contacts
 
-        out.contacts = contacts(ctx, spec.contact)
+        out.contacts += contacts(ctx, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]
