@@ -32,6 +32,7 @@ def _laugon(ctx: Context, leaf: Component) -> bool:
     return bool(method)
 
 
+RULES = {"default": False, "higher-order": True, "0": False, "1": True}
 NUMBER: Reader = lambda ctx, leaf: leaf.as_float()  # noqa: E731
 WHOLE: Reader = lambda ctx, leaf: leaf.as_int()  # noqa: E731
 FLAG: Reader = lambda ctx, leaf: leaf.as_bool()  # noqa: E731
@@ -53,6 +54,9 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
     "sticky": {
         **COMMON, "search_tolerance": NUMBER, "max_traction": NUMBER, "snap_tol": NUMBER, "gap_offset": NUMBER,
+    },
+    "contact potential": {
+        "kc": CURVE, "p": NUMBER, "R_in": NUMBER, "R_out": NUMBER, "R0_min": NUMBER, "w_tol": NUMBER,
     },
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
@@ -78,7 +82,7 @@ DENSE: dict[str, tuple[frozenset[str], str]] = {
     "sliding-biphasic-solute": (frozenset({"triphasic", "multiphasic"}), "sliding-multiphasic"),
 }
 # parameters that change nothing where they are 0, and are refused where they are not
-UNUSED = frozenset({"node_reloc", "smooth_aug"})
+UNUSED = frozenset({"node_reloc", "smooth_aug", "check_intersections"})
 # what is read elsewhere, or has no effect: penalties of bodies at rest need no update, and without friction its
 # parameters say nothing
 READ = frozenset({
@@ -106,10 +110,12 @@ def _contact(ctx: Context, c: Component) -> Any:
     slides = c.type in ("sliding-biphasic-solute", "sliding-multiphasic")
     ambient = {"ambient_pressure", "ambient_concentration"} if slides else set()
     known = set(table) | UNUSED | READ | {"fric_coeff"} | ambient
+    if c.type == "contact potential":
+        known |= {"laugon", "integration_rule"}  # the first has no effect in FEBio either
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
-        if leaf.tag in UNUSED and leaf.as_float() != 0.0:
+        if leaf.tag in UNUSED and leaf.as_bool():
             ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
         if leaf.tag in table:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)
@@ -196,6 +202,10 @@ def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, of
         if kind not in elements.FACETS or (at_nodes and kind not in nodal.WEIGHTS):
             ctx.refuse(f'<contact type="{c.type}"> on {kind} facets', c.where)
     out = Facets(conn)
+    if c.choice("integration_rule", RULES, False) and c.type == "contact potential":
+        out.rules = {"quad4": "G16", "tri3": "G7"}
+        for kind in conn.keys() - out.rules.keys():
+            ctx.refuse(f"<integration_rule>higher-order</integration_rule> on {kind} facets", c.where)
     if ctx.refused:
         return out
     if penalty:

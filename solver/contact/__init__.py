@@ -16,6 +16,7 @@ TYPES = {
     "tied-biphasic": "tied_biphasic",
     "tied-multiphasic": "tied_multiphasic",
     "sticky": "sticky",
+    "contact potential": "potential",
     "sliding-elastic": "sliding_elastic",
     "sliding-biphasic": "sliding_biphasic",
     "sliding-biphasic-solute": "sliding_biphasic_solute",

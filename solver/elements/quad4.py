@@ -9,6 +9,6 @@ register(Shape(
         (-1, -1), (1, -1), (1, 1), (-1, 1),
     ),
     span="1 r s rs",
-    rules={"G4": "quad4"},
+    rules={"G4": "quad4", "G16": "quad16"},
     center=(0, 0),
 ))

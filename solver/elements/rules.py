@@ -19,7 +19,7 @@ Rule = tuple[Floats, Floats]
 
 # degree of the polynomials integrated exactly (in each direction for products)
 DEGREE = {
-    "line1": 1, "line2": 3, "line3": 5, "quad4": 3, "quad9": 5,
+    "line1": 1, "line2": 3, "line3": 5, "quad4": 3, "quad9": 5, "quad16": 7,
     "hex1": 1, "hex6": 3, "hex8": 3, "hex12": 3, "hex18": 3, "hex27": 5,
     "tri1": 1, "tri3": 2, "tri4": 3, "tri7": 5, "tet1": 1, "tet4": 2, "tet8": 3, "tet11": 4, "tet15": 5,
     "penta6": 2, "penta8": 3, "penta14": 3, "penta21": 5,

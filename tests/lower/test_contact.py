@@ -55,6 +55,14 @@ def test_friction_of_biphasic_contacts(tmp_path: Path) -> None:
     assert (c.fric_coeff, c.contact_frac, c.smooth_fls) == (0.3, 0.2, True)
 
 
+def test_the_contact_potential_has_rules_of_its_own(tmp_path: Path) -> None:
+    inside = "<laugon>0</laugon><kc>3</kc><p>2</p><R_in>0.1</R_in><R_out>0.2</R_out><w_tol>0.5</w_tol>"
+    c = made(tmp_path, inside, "contact potential")
+    assert (c.p, c.R_in, c.R_out, c.w_tol, c.primary.rules) == (2.0, 0.1, 0.2, 0.5, {})
+    c = made(tmp_path, inside + "<integration_rule>higher-order</integration_rule>", "contact potential")
+    assert c.primary.rules["quad4"] == c.secondary.rules["quad4"] == "G16"
+
+
 def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
     plain = made(tmp_path, "").primary.conn["quad4"][0].tolist()
     turned = made(tmp_path, "<flip_primary>1</flip_primary>").primary.conn["quad4"][0].tolist()
@@ -64,7 +72,8 @@ def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "inside", "said"),
     [
-        ("contact potential", "", 'contact type="contact potential"'),
+        ("sliding-biphasic-mixed", "", 'contact type="sliding-biphasic-mixed"'),
+        ("contact potential", "<check_intersections>1</check_intersections>", "<check_intersections>"),
         ("tied-node-on-facet", "<laugon>LAGMULT</laugon>", "LAGMULT"),
         ("sliding-elastic", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
         ("sliding-elastic", "<node_reloc>1</node_reloc>", "<node_reloc>"),
