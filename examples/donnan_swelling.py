@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import febkit
 from febkit import materials as mt
 
-R, T, FC = 8.314e-6, 298.0, 9.65e-5  # mJ/(nmol K), K, C/nmol
+R, T, FC = 8.314e-6, 298.0, 9.6485e-5  # mJ/(nmol K), K, C/nmol
 E, V, PHI0 = 0.5, 0.1, 0.2  # MPa, -, -
 CHARGE = -200.0  # mmol/l of fluid, before it swells
 

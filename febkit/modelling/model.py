@@ -160,7 +160,7 @@ class Model(Stage):
         return dict(self._record.constants)
 
     def set_constants(self, **values: float) -> None:
-        """Set constants of <Globals>: ``m.set_constants(T=298, R=8.314e-6, Fc=9.65e-5)``."""
+        """Set constants of <Globals>: ``m.set_constants(T=298, R=8.314e-6, Fc=9.6485e-5)``."""
         self._put(constants={**self._record.constants, **{k: float(v) for k, v in values.items()}})
 
     # ---- mesh -------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ solver's own records, so that a new material appears by itself.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import MISSING, fields, is_dataclass
 from keyword import iskeyword
 from math import isfinite
 from typing import Any
@@ -81,7 +82,9 @@ def default(c: Component, tag_: str) -> Any:
     cls = record(c)
     if cls is None:
         return None
-    return cls.defaults().get(_field(tag_))
+    own = {f.name: f.default for f in fields(cls)} if is_dataclass(cls) else {}
+    value = own.get(_field(tag_), MISSING) if _field(tag_) in (*cls.parameters, *cls.options) else MISSING
+    return None if value is MISSING else value
 
 
 def is_numeric(c: Component, tag_: str) -> bool:

@@ -1,11 +1,12 @@
-"""The lists of the README, from the tables the solver itself looks into. ``--write`` renews them."""
+"""The lists of docs/features.md, from FEBio's table and those the solver itself looks into. ``--write`` renews them."""
 
 from __future__ import annotations
 
 import sys
+from itertools import groupby
 from pathlib import Path
 
-README = Path(__file__).parents[2] / "README.md"
+PAGE = Path(__file__).parents[2] / "docs" / "features.md"
 START, END = "<!-- supported: start -->", "<!-- supported: end -->"
 
 
@@ -58,16 +59,33 @@ def lists() -> str:
     return "\n".join(out)
 
 
+def beside() -> str:
+    """Markdown of FEBio's types by kind, those that febkit solves and those that it does not."""
+    from febkit.census import census
+
+    out = []
+    for kind, entries in groupby(census(), lambda e: e.kind):
+        found = sorted(entries, key=lambda e: e.name.lower())
+        has, lacks = ([e.name for e in found if e.solved is said] for said in (True, False))
+        out += [f"### {kind}: {len(has)} of {len(found)}", ""]
+        out += [f"Solved: {_listed(has)}", "", f"Not: {_listed(lacks)}", ""]
+    return "\n".join(out).rstrip()
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(n.replace("|", r"\|").replace("<", r"\<") for n in names) or "none"
+
+
 def renewed(text: str) -> str:
-    """The README with its lists as they should be."""
+    """The page with its lists as they should be."""
     head, rest = text.split(START)
     _, tail = rest.split(END)
-    return f"{head}{START}\n{lists()}\n{END}{tail}"
+    return f"{head}{START}\n{lists()}\n\n## Type by type\n\n{beside()}\n{END}{tail}"
 
 
 if __name__ == "__main__":
-    new = renewed(README.read_text())
+    new = renewed(PAGE.read_text())
     if "--write" in sys.argv:
-        README.write_text(new)
+        PAGE.write_text(new)
     else:
-        print(lists())
+        print(lists(), beside(), sep="\n\n")

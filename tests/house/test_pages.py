@@ -1,4 +1,4 @@
-"""The pages keep true: what CONTRIBUTING names exists, the README's lists and commands are current."""
+"""The pages keep true: what CONTRIBUTING names exists, lists of what is solved and commands are current."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def test_every_type_is_registered_at_the_foot_of_its_file(folder: str) -> None:
         assert re.search(r"register\(", source.rstrip().rsplit("\n\n", 1)[-1]), f"{kind}: {name}.py"
 
 
-def test_the_readme_lists_what_the_solver_knows() -> None:
-    text = (ROOT / "README.md").read_text()
+def test_a_page_lists_what_the_solver_knows() -> None:
+    text = (ROOT / "docs" / "features.md").read_text()
     assert supported.renewed(text) == text, "run: python tests/house/supported.py --write"
 
 

@@ -450,3 +450,12 @@ def test_parameters_of_a_solute_are_checked_and_found() -> None:
     assert "free_diff=1.0" in str(signature(mt.DiffConstIso))
     # properties of several parameters, by their constructors: each is known
     assert mt.OsmCoefManning(osmc=1.0, ksi=2.0, co_ion="Cl-").co_ion == "Cl-"
+
+
+def test_every_constructor_can_be_called() -> None:
+    """Laws that are parts of materials as well: fiber distributions, relaxations, damage, growth, prestrain."""
+    for name, kind in mt.names().items():
+        assert f'"{kind}"' in (mt.constructor(name).__doc__ or "")
+        assert mt.constructor(name)().component.type == kind
+    assert mt.PrestrainGradient().ramp == 1.0
+    assert signature(mt.VolumeGrowth).parameters["multiplier"].default == 1.0
