@@ -241,7 +241,8 @@ class Output:
     def write(self, *parts: bytes) -> None:
         """Append, all or nothing: where the disk is full the file ends where it ended before."""
         try:
-            for piece in _pieces(parts):
+            size = sum(map(len, parts))
+            for piece in (b"".join(parts),) if 0 < size <= _JOINED else _pieces(parts):
                 view = memoryview(piece)
                 while view:
                     view = view[self._file.write(view) :]
@@ -253,7 +254,7 @@ class Output:
             if isinstance(e, OSError):
                 raise OSError(e.errno, e.strerror, self.path) from None
             raise
-        self.size += sum(map(len, parts))
+        self.size += size
 
     def place(self) -> None:
         """Put the file in place, over an earlier one."""

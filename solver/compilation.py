@@ -70,4 +70,4 @@ def seconds() -> float:
 
 def now() -> float:
     """Seconds on a clock that stands still while kernels are compiled: what work takes once they are there."""
-    return perf_counter() - seconds()
+    return perf_counter() - (seconds() if _paused else _seconds)

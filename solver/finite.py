@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,9 +34,9 @@ class NotFinite(RuntimeError):
         super().__init__(message)
 
 
-def whole(*arrays: NDArray[np.floating]) -> bool:
-    """Are all numbers finite?"""
-    return all(np.isfinite(a).all() for a in arrays)
+def whole(a: NDArray[np.floating]) -> bool:
+    """Are all numbers finite? A finite sum has finite terms only; one that is not may have overflowed."""
+    return isfinite(np.add.reduce(a, axis=None)) or bool(np.isfinite(a).all())
 
 
 def check_parameters(block: Block, pts: Points, steady: bool = False) -> None:

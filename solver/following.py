@@ -7,7 +7,7 @@ they are no unknowns, and the tangent does not know them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class Following(Prescribed):
     The value at a node is the mean over the facets around it of what :meth:`at_corners` gives.
     """
 
+    follows: ClassVar[bool] = True
     surface: tuple[tuple[Patch, Ints], ...] = field(default=(), kw_only=True)
 
     def begin(self, groups: list[Group]) -> None:

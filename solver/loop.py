@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .convergence import Norm, NotConverged
+from .finite import whole
 from .line_search import search
 from .quasi_newton import METHODS, FullNewton, Update
 
@@ -63,7 +64,7 @@ class Loop:
         n, o, k = self.newton, self.newton.options, self.newton.count
         if u is None:
             u = self.qn.solve(R0)
-        if not np.isfinite(u).all():
+        if not whole(u):
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s, R1 = self.line(u, R0)
         report, converged = n.judge(u, s, R0, R1, self.qn.count)

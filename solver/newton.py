@@ -21,7 +21,6 @@ from .inverse import Inverse
 from .kept import Kept
 from .linear.base import LinearError, LinearSolver, Matrix
 from .loop import Loop
-from .pattern import GIVEN
 from .problem import NewtonOptions
 from .system import System
 
@@ -152,7 +151,7 @@ class Newton:
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
         out = self.system.targets(self.system.state.time)
-        bad = (self.system.eqs.kind == GIVEN) & ~np.isfinite(out)
+        bad = self.system.eqs.is_given & ~np.isfinite(out)
         if bad.any():
             row, column = (int(i) for i in np.argwhere(bad)[0])
             where = node(self.system.problem, row)

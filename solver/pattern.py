@@ -48,8 +48,8 @@ class Equations:
         self.given = np.flatnonzero(given)
         self.column = np.broadcast_to(np.arange(kind.shape[1]), kind.shape)[numbered]
         self.numbered = numbered
-        is_free = kind == FREE
-        self.size = is_free.sum(axis=1).astype(np.int32)
+        self.is_free, self.is_given = kind == FREE, kind == GIVEN  # (node, column)
+        self.size = self.is_free.sum(axis=1).astype(np.int32)
         self.lead = np.zeros(len(kind), np.int32)
         self.lead[1:] = np.cumsum(self.size)[:-1]
 

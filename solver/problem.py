@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,7 @@ class Prescribed:
     ``relative``: on top of the value at the start of the analysis step.
     """
 
+    follows: ClassVar[bool] = False  # its values follow the solution (:mod:`.following`)
     column: int
     nodes: Ints
     value: Value

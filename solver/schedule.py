@@ -62,7 +62,10 @@ class Schedule:
 
     def map(self, work: Callable[[Share], object]) -> None:
         """Have every thread do ``work`` on its share; the failure of the earliest elements is raised."""
-        self.team.map(lambda i: work(self.shares[i]), self.n)
+        if self.n == 1:
+            work(self.shares[0])
+        else:
+            self.team.map(lambda i: work(self.shares[i]), self.n)
 
     def contended(self, groups: list[Group], nodes: int) -> dict[int, NDArray[np.bool_]]:
         """For each group (by id) the elements with a node that elements of another thread have too."""

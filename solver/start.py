@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from .finite import blame, whole
 from .linear.base import LinearError
 from .mass import Mass
-from .pattern import FREE
 
 if TYPE_CHECKING:
     from .route import Route
@@ -37,7 +36,7 @@ def accelerate(system: System, route: Route) -> None:
     if system.bodies is not None or system.ties is not None:
         _with_ties(system, route, f)
         return
-    fu, free = s.layout.u(f), system.eqs.kind[:, s.layout.displacement] == FREE
+    fu, free = s.layout.u(f), system.eqs.is_free[:, s.layout.displacement]
     if np.any(fu[free]):
         mass = Mass([g for g in system.groups if g.moves])
         a = mass.solve(fu, free)

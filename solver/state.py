@@ -13,6 +13,9 @@ from .problem import Problem
 Floats = NDArray[np.float64]
 
 
+COPIED = ("d", "d_old", "velocity", "acceleration", "velocity_old", "acceleration_old", "reaction")
+
+
 @dataclass(eq=False)
 class State:
     """Nodal values d (node, column), their columns as ``layout`` says; velocity and acceleration (node, 3).
@@ -76,7 +79,8 @@ class State:
         return self.X + self.u
 
     def copy(self) -> State:
-        out = State(**{k: (v.copy() if isinstance(v, np.ndarray) else v) for k, v in vars(self).items()})  # type: ignore[arg-type]
-        out.X = self.X
+        out = State(**vars(self))
+        for name in COPIED:
+            setattr(out, name, getattr(self, name).copy())
         out.extra = {k: v.copy() for k, v in self.extra.items()}
         return out

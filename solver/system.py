@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from .action import Action
 from .fields import ROTATION
 from .finite import whole
-from .following import Following
 from .group import Group
 from .kernels.pattern import scatter_any
 from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
-from .pattern import FREE, GIVEN, HELD, INACTIVE, Equations, Pattern
+from .pattern import FREE, HELD, INACTIVE, Equations, Pattern
 from .problem import DYNAMIC, STEADY, Prescribed, Problem, Progress, Step
 from .schedule import Schedule, Share
 from .state import State
 from .tangent import Target, Workspace
 
 if TYPE_CHECKING:
+    from .following import Following
     from .rigid.bodies import Bodies
     from .rotations import Rotations
     from .ties import Constraints, Ties
@@ -49,7 +49,7 @@ class System:
         self.conditions = [*problem.common.conditions, *step.conditions]
         self.loads = [*problem.common.loads, *step.loads]
         self.body_loads = [*problem.common.body_loads, *step.body_loads]
-        self.following = [c for c in self.conditions if isinstance(c, Following)]
+        self.following = [cast("Following", c) for c in self.conditions if isinstance(c, Prescribed) and c.follows]
         for c in self.following:
             c.begin(groups)
         self._link()
@@ -192,12 +192,12 @@ class System:
         """Values (node, column) that prescribed unknowns take at time t; NaN elsewhere."""
         out = np.full(self.state.d.shape, np.nan)
         for c, start in zip(self.conditions, self._start):
-            if isinstance(c, Following):  # it stays until the first iterate
+            if isinstance(c, Prescribed) and c.follows:  # it stays until the first iterate
                 out[c.nodes, c.column] = self.state.d[c.nodes, c.column]
             elif isinstance(c, Prescribed):
                 v = c.value(t, self.state.X[c.nodes], np.arange(len(c.nodes)))
                 out[c.nodes, c.column] = v if start is None else v + start
-        out[self.eqs.kind != 2] = np.nan
+        out[~self.eqs.is_given] = np.nan
         return out
 
     def gather(self, nodal: Floats) -> Floats:
@@ -205,7 +205,7 @@ class System:
 
     def spread(self, vector: Floats, into: Floats) -> None:
         """Write the free entries of an equation vector to a nodal array."""
-        into[self.eqs.numbered & (self.eqs.kind == 0)] = vector[self.eqs.rows]
+        into[self.eqs.is_free] = vector[self.eqs.rows]
 
     # ---- state ------------------------------------------------------------------------------------
     def set(self, total: Floats, increment: Floats, u: Floats, target: Floats) -> None:
@@ -214,14 +214,14 @@ class System:
         ``increment`` is that of the step so far, to which ``u`` is added (rotations of rigid bodies: composed).
         """
         s = self.state
-        given = self.eqs.kind == GIVEN
+        given = self.eqs.is_given
         s.d[given] = target[given]
         followed = [c.values(s) for c in self.following]
         self.spread(total + increment + u, s.d)
         self._keep_positive()
         self._drain()
         for c, v in zip(self.following, followed, strict=True):
-            mine = self.eqs.kind[c.nodes, c.column] == GIVEN
+            mine = self.eqs.is_given[c.nodes, c.column]
             s.d[c.nodes[mine], c.column] = v[mine]
         if self.bodies is not None:
             self.bodies.move(s, self.eqs, increment, u)
@@ -237,7 +237,7 @@ class System:
         own = self.state.layout.concentrations if self.step.newton.positive else ()
         for column in own:
             c = self.state.d[:, column]
-            c[(c < 0.0) & (self.eqs.kind[:, column] == FREE)] = 0.0
+            c[(c < 0.0) & self.eqs.is_free[:, column]] = 0.0
 
     def compose(self, a: Floats, b: Floats) -> Floats:
         """The increment a, then b."""
@@ -305,7 +305,7 @@ class System:
                     (column,) = self.layout.columns(field)
                     dry[nodes, column], ambient[nodes, column] = True, value
                     wet[touching, column] = True
-        dry &= ~wet & (self.eqs.kind == FREE)
+        dry &= ~wet & self.eqs.is_free
         self.dry, self.ambient = self.eqs.eq[dry].astype(np.int64), ambient[dry]
         self._dry_places = dry
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from febkit.model import Component, InputError, species
 from febkit.model.sets import node_indices, surface
-from febkit.solver.following import ActualPressure, MatchingOsmotic
-from febkit.solver.loads.base import Patch, patches
 from febkit.solver.problem import Fixed, Initial, Prescribed
 
 from . import deformations
 from .context import FACETS, Context
+
+if TYPE_CHECKING:
+    from febkit.solver.loads.base import Patch
 
 #: the scalar degrees of freedom of the back faces of shells, and the same of the front
 FRONT = {"q": "p", **{f"d{k}": f"c{k}" for k in range(1, 9)}}
@@ -136,6 +139,8 @@ def _prescribed_concentration(ctx: Context, c: Component) -> list[Fixed | Prescr
 
 def _following(ctx: Context, c: Component) -> tuple[np.ndarray, tuple[tuple[Patch, np.ndarray], ...]]:
     """Nodes of a surface, and its facets with the elements behind them."""
+    from febkit.solver.loads.base import patches
+
     from .contact import behind
 
     conns = {k: v for k, v in surface(ctx.model.mesh, c.attrs.get("surface", ""), c.where).facets.items() if len(v)}
@@ -148,6 +153,8 @@ def _following(ctx: Context, c: Component) -> tuple[np.ndarray, tuple[tuple[Patc
 
 def _actual_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"pressure", "shell_bottom"})
+    from febkit.solver.following import ActualPressure
+
     value = ctx.value(c.child("pressure"), 0.0, FACETS + c.attrs.get("surface", ""))
     nodes, facets = _following(ctx, c)
     return [ActualPressure(ctx.column("p", c), nodes, value, surface=facets)]
@@ -155,6 +162,8 @@ def _actual_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
 
 def _matching_osmotic(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"ambient_pressure", "ambient_osmolarity", "shell_bottom"})
+    from febkit.solver.following import MatchingOsmotic
+
     p, o = (ctx.value(c.child(f"ambient_{n}"), 0.0) for n in ("pressure", "osmolarity"))
     nodes, facets = _following(ctx, c)
     return [MatchingOsmotic(ctx.column("p", c), nodes, p, osmolarity=o, surface=facets)]

@@ -7,7 +7,6 @@ import numpy as np
 from febkit.model import Component, Domain, InputError
 from febkit.solver import elements
 from febkit.solver.problem import Block
-from febkit.solver.shells import Shell, Solid, thicken
 
 from .context import Context
 
@@ -95,6 +94,8 @@ def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tupl
     for b in shells:
         _check_normals(ctx, b, domains[b.name])
     solids = [b for b in blocks if b.name not in domains and b.element in elements.VOLUMES]
+    from febkit.solver.shells import Shell, Solid, thicken  # where a model has shells
+
     made = thicken(
         ctx.model.mesh.X,
         [Shell(ctx.blocks[b.name].type, b.conn, thickness(ctx, domains[b.name])) for b in shells],

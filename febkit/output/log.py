@@ -76,15 +76,15 @@ class LogListener(Listener):
         self._flush_in_time()
 
     def iteration(self, run: Run, it: Iteration) -> None:
-        w = self.write
-        w(f" {it.number}\n Nonlinear solution status: time= {it.time:g}\n")
-        w(f"\tstiffness updates             = {it.updates}\n")
-        w(f"\tright hand side evaluations   = {it.residuals}\n")
-        w(f"\tstiffness matrix reformations = {it.reforms}\n")
-        w(f"\tstep from line search         = {it.line:f}\n")
-        w("\tconvergence norms :     INITIAL         CURRENT         REQUIRED\n")
-        for name, n in it.norms.items():
-            w(f"\t   {name:<17s}{n.initial:15e} {n.now:15e} {n.required:15e} \n")
+        norms = [f"\t   {k:<17s}{n.initial:15e} {n.now:15e} {n.required:15e} \n" for k, n in it.norms.items()]
+        self.write(
+            f" {it.number}\n Nonlinear solution status: time= {it.time:g}\n"
+            f"\tstiffness updates             = {it.updates}\n"
+            f"\tright hand side evaluations   = {it.residuals}\n"
+            f"\tstiffness matrix reformations = {it.reforms}\n"
+            f"\tstep from line search         = {it.line:f}\n"
+            f"\tconvergence norms :     INITIAL         CURRENT         REQUIRED\n{''.join(norms)}"
+        )
         self._flush_in_time()
 
     def converged(self, run: Run, counts: Counts) -> None:

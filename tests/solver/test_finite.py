@@ -119,12 +119,14 @@ def test_stresses_beyond_doubles_are_named() -> None:
 def test_one_sum_is_enough() -> None:
     a = np.zeros((50, 3))
     assert whole(a)
-    assert whole(np.full(10, 1e308)), "a sum that overflows is looked at once more"
+    with np.errstate(over="ignore"):
+        assert whole(np.full(10, 1e308)), "a sum that overflows is looked at once more"
     for bad in (nan, inf, -inf):
         a[17, 1] = bad
-        assert not whole(np.ones(3), a)
+        assert not whole(a)
     a[18, 2] = inf
-    assert not whole(a), "inf - inf"
+    with np.errstate(invalid="ignore"):
+        assert not whole(a), "inf - inf"
 
 
 @pytest.mark.parametrize("size", [1e160, 1e200, 1e300])

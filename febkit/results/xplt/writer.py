@@ -50,6 +50,7 @@ class PlotWriter:
         self.compress = compress
         self.variables = tuple(variables)
         self._keys = frozenset([v.name for v in variables]) | frozenset(range(len(variables)))
+        self._sections = [(tag, self._numbered(section)) for section, (_, tag) in tags.SECTIONS.items()]
         self._head = encode.block(
             tags.ROOT,
             encode.header(version, compress, software, units, author),
@@ -65,10 +66,16 @@ class PlotWriter:
             self.output.discard()
             raise
 
+    def _numbered(self, section: str) -> list[tuple[int, PlotVariable, bytes]]:
+        """The variables of a section with their places among all, and the block that numbers each in the section."""
+        mine = [(i, v) for i, v in enumerate(self.variables) if v.section == section]
+        return [(i, v, encode.integer(tags.STATE_VAR_ID, k)) for k, (i, v) in enumerate(mine, start=1)]
+
     def mesh(self, mesh: PlotMesh) -> None:
         """Write a mesh section: the first, or one that replaces it for the states that follow."""
         self._mesh = mesh
         self._sizes = _Sizes(mesh)
+        self._active = np.ones(mesh.n_elements, "<u4").tobytes()
         body = encode.mesh(mesh, self.version)
         # FEBio's first mesh is plain even where states are compressed
         self.output.write(zlib.compress(body) if self.compress and self._meshes else body)
@@ -86,20 +93,18 @@ class PlotWriter:
 
         ``element_state`` holds one flag per element (bit 0: active), all active where None; empty: none are listed.
         """
-        unknown = [n for n in data if n not in self._keys]
-        if unknown:
+        if not self._keys.issuperset(data):
+            unknown = [n for n in data if n not in self._keys]
             raise ValueError(f"not in the plotfile's dictionary: {', '.join(map(repr, unknown))}")
         head = encode.block(tags.STATE_HDR_TIME, struct.pack("<f", time))
         if self.version >= 0x31:
             head += encode.integer(tags.STATE_STATUS, status)
-        flags = np.ones(self._mesh.n_elements, "<u4")
-        if element_state is not None:
-            flags = np.asarray(element_state, "<u4")
-        if len(flags) not in (0, self._mesh.n_elements):
-            raise ValueError(f"element_state has {len(flags)} flags for {self._mesh.n_elements} elements")
+        flags = self._active if element_state is None else np.asarray(element_state, "<u4").tobytes()
+        if len(flags) not in (0, len(self._active)):
+            raise ValueError(f"element_state has {len(flags) // 4} flags for {self._mesh.n_elements} elements")
         parts = [
             encode.block(tags.STATE_HEADER, head),
-            encode.block(tags.MESH_STATE, encode.block(tags.ELEMENT_STATE, flags.tobytes())),
+            encode.block(tags.MESH_STATE, encode.block(tags.ELEMENT_STATE, flags)),
             *self._state_data(data),
         ]
         if objects:
@@ -111,15 +116,13 @@ class PlotWriter:
 
     def _state_data(self, data: Data) -> list[bytes]:
         sections: list[bytes] = []
-        for section, (_, tag) in tags.SECTIONS.items():
+        for tag, mine in self._sections:
             body: list[bytes] = []
-            mine = [(i, v) for i, v in enumerate(self.variables) if v.section == section]
-            for number, (i, v) in enumerate(mine, start=1):
+            for i, v, number in mine:
                 regions: list[bytes] = []
                 for region, values in self._sizes.regions(v, data.get(i, data.get(v.name))):
                     regions += [struct.pack("<II", region, values.nbytes), values.tobytes()]
-                var = [encode.integer(tags.STATE_VAR_ID, number), *_wrap(tags.STATE_VAR_DATA, regions)]
-                body += _wrap(tags.STATE_VARIABLE, var)
+                body += _wrap(tags.STATE_VARIABLE, [number, *_wrap(tags.STATE_VAR_DATA, regions)])
             if body:
                 sections += _wrap(tag, body)
         return _wrap(tags.STATE_DATA, sections)
@@ -156,6 +159,7 @@ class _Sizes:
     def __init__(self, mesh: PlotMesh) -> None:
         self.mesh = mesh
         self._nodes: dict[tuple[str, int], np.ndarray] = {}
+        self._items: dict[tuple[str, str, int], int] = {}
 
     def nodes(self, section: str, region: int) -> np.ndarray:
         """Node indices of a region, in the order of FMT_NODE data."""
@@ -186,6 +190,12 @@ class _Sizes:
 
     def items(self, v: PlotVariable, region: int) -> int:
         """Items of a region: nodes, elements, or elements times local nodes."""
+        key = v.section, v.format, region
+        if key not in self._items:
+            self._items[key] = self._count(v, region)
+        return self._items[key]
+
+    def _count(self, v: PlotVariable, region: int) -> int:
         if v.section == "global":
             return 1
         if v.section in ("node", "material"):
