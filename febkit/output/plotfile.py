@@ -87,11 +87,12 @@ class PlotListener(Listener):
             give = plot.find(v.name, mixture) if v.name in VARIABLES else None
             if v.more and v.name not in plot.told:
                 give = None
-            if give is None:
+            record = None if give is None else self._variable(v)
+            if give is None or record is None:
                 warn(f'plot variable "{v.label}" is not computed by febkit and is left out')
             else:
                 self.asked.append((v, give))
-                self.variables.append(self._variable(v))
+                self.variables.append(record)
         spec = model.output.plot_spec
         compress = spec is not None and spec.bool("compression")
         self.mesh = plot_mesh(model)
@@ -101,9 +102,14 @@ class PlotListener(Listener):
         self.states = 0
         self.view: plot.View | None = None
 
-    def _variable(self, asked: Asked) -> PlotVariable:
+    def _variable(self, asked: Asked) -> PlotVariable | None:
         """The record of a variable; arrays over solutes and solid-bound molecules have the names of these."""
         kind, known = plot.ARRAYS.get(asked.name), VARIABLES[asked.name]
+        if asked.name in plot.FILES["maps"]:
+            from .plot.maps import storage
+
+            found = storage(known, asked.more, self.model)
+            return None if found is None else replace(found, name=asked.label)
         if kind is None:
             return replace(known, name=asked.label)
         names = tuple(s.name for s in (solutes if kind == "solute" else solid_bound)(self.model))

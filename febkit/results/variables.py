@@ -19,6 +19,10 @@ _STORAGE: dict[tuple[str, str, str], dict[str, tuple[str, ...]]] = {
     ("node", "float", "item"): {
         "": ("field",),
     },
+    ("domain", "float", "mult"): {
+        "": ("parameter", "mesh_data"),  # section, type and format are those of what is named
+        "L": ("shell thickness",),
+    },
     ("node", "vec3f", "node"): {
         "F": ("reaction forces",),
         "L": ("displacement", "incremental displacement", "nodal shell director", "shell displacement"),
@@ -72,9 +76,6 @@ _STORAGE: dict[tuple[str, str, str], dict[str, tuple[str, ...]]] = {
         "W/L.T": ("fluid thermal conductivity",),
         "W/L^3": ("fluid heat supply density", "fluid stress power density"),
         "c": ("fixed charge density", "osmolarity", "referential fixed charge density"),
-    },
-    ("domain", "float", "mult"): {
-        "L": ("shell thickness",),
     },
     ("domain", "float", "region"): {
         "E": ("rigid kinetic energy", "total energy"),

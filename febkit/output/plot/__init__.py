@@ -25,7 +25,7 @@ FILES: dict[str, tuple[str, ...]] = {
     ),
     "stresses": (
         "PK1 stress", "PK2 stress", "s norm", "uncoupled pressure", "elasticity", "deviatoric elasticity",
-        "mixture stress", "nodal stress", "Drucker shear stress", "Drucker-Prager stress", "Deshpande-Fleck stress",
+        "mixture stress", "volume fraction", "nodal stress", "Drucker shear stress", "Drucker-Prager stress", "Deshpande-Fleck stress",
     ),
     "energies": (
         "density", "specific strain energy", "deviatoric strain energy density", "mixture strain energy density",
@@ -86,6 +86,8 @@ FILES: dict[str, tuple[str, ...]] = {
         "in-situ target stretch", "prestrain stretch", "prestrain stretch error", "prestrain correction",
         "SPR prestrain correction", "prestrain compatibility",
     ),
+    "loads": ("body force", "scalar surface load"),
+    "maps": ("field", "parameter", "mesh_data"),
     "fluids": ("effective fluid pressure", "nodal fluid flux", "permeability", "effective elasticity"),
     "solutes": ("effective solute concentration",),
 }  # fmt: skip

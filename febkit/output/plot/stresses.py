@@ -92,6 +92,11 @@ def of_component(part: Part, which: str = "") -> Floats | None:
     return part.shaped(laws.share(*found) if inside else laws.stress(*found))
 
 
+def weight(part: Part) -> Floats | None:
+    """Weight of the first solid of a mixture, 1 in all files."""
+    return np.ones_like(part.g.J) if type(part.g.block.solid).__name__ == "SolidMixture" else None
+
+
 # ---- stresses of yield and damage criteria --------------------------------------------------------------
 class _Given:
     """A law whose stress is given (n, 6), as criteria want one."""
@@ -128,6 +133,7 @@ register("uncoupled pressure", mean(pressure))
 register("elasticity", mean(elasticity))
 register("deviatoric elasticity", mean(distortional_elasticity))
 register("mixture stress", mean(of_component), more=True)
+register("volume fraction", mean(weight))
 register("nodal stress", at_nodes(of_solids(lambda part: part.at_points("stress"))))
 register("Drucker shear stress", mean(of_criterion("Drucker")))
 register("Drucker-Prager stress", mean(of_criterion("DruckerPrager")))

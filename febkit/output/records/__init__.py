@@ -23,7 +23,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Column = Callable[[], Floats]
 
-KINDS = {"node_data": "nodes", "element_data": "elements"}
+KINDS = {
+    "node_data": "nodes", "element_data": "elements", "face_data": "faces", "surface_data": "surfaces",
+    "domain_data": "domains", "rigid_body_data": "bodies", "rigid_connector_data": "connectors", "model_data": "model",
+}  # fmt: skip
 
 
 def load(kind: str) -> Any:

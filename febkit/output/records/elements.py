@@ -6,6 +6,7 @@ directions are those of the mean tensors.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ import numpy as np
 from febkit.model.sets import element_ids
 from febkit.output import plot
 from febkit.output.plot.base import Part, full, kept, voigt
+from febkit.output.plot.stresses import UPPER
 
 from . import Column, Floats, Ints, places
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 VOIGT = {"x": 0, "y": 1, "z": 2, "xy": 3, "yz": 4, "xz": 5}
 DOUBLE = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
+PAIRS = tuple(DOUBLE)
 NINE = {a + b: 3 * i + j for i, a in enumerate("xyz") for j, b in enumerate("xyz")}
 # symmetric tensors by the letter of their items; those with principal values; those with effective ones
 TENSORS = {
@@ -47,6 +50,21 @@ COMPONENTS: dict[str, tuple[str, int]] = {
     "sed": ("strain energy density", 0),
     "devsed": ("deviatoric strain energy density", 0),
     "porosity": ("porosity", 0),
+    **{f"Kp{c}": ("permeability", k) for c, k in DOUBLE.items()},
+    **{f"es{c}": ("solid stress", k) for c, k in DOUBLE.items()},
+    **{f"c{PAIRS[i]}{PAIRS[j]}": ("elasticity", k) for k, (i, j) in enumerate(UPPER)},
+    "D": ("damage", 0),
+    "wf": ("fatigue bond fraction", 0),
+    "ops": ("octahedral plastic strain", 0),
+    "discrete element stretch": ("discrete element stretch", 0),
+    "discrete element elongation": ("discrete element elongation", 0),
+    "discrete element force": ("discrete element signed force", 0),
+    **{f"Fde.{c}": ("discrete element force", k) for k, c in enumerate("xyz")},
+}
+# item with a number -> plot variable of that solid of a mixture, component
+NUMBERED: dict[str, tuple[str, int]] = {
+    "damage_": ("damage", 0),
+    **{f"mixture_stress.{c}": ("mixture stress", k) for c, k in DOUBLE.items()},
 }
 
 
@@ -75,7 +93,43 @@ def datum(name: str) -> Callable[[Part], Floats | None] | None:
         return partial(_principal, TENSORS[name[0]], int(name[1]) - 1)
     if name in EFFECTIVE:
         return partial(_effective, EFFECTIVE[name])
-    return OTHERS.get(name)
+    if name.startswith("="):
+        return formula(name[1:])
+    return _numbered(name) or OTHERS.get(name)
+
+
+def formula(text: str) -> Callable[[Part], Floats | None] | None:
+    """A formula of element data; None where it has a name that is none of them."""
+    from febkit.model.math import compile
+
+    f = compile(text, None, {})
+    data = {name: datum(name) for name in f.names}
+    if any(d is None for d in data.values()):
+        return None
+
+    def values(part: Part) -> Floats:
+        m = len(part.mesh.element_ids)
+        given = {n: d(part) for n, d in data.items() if d is not None}
+        at = {n: np.zeros(m) if v is None else v for n, v in given.items()}
+        return np.broadcast_to(np.asarray(f.at(at), float), (m,))
+
+    return values
+
+
+def _numbered(name: str) -> Callable[[Part], Floats | None] | None:
+    """Data of a solid of a mixture: damage_1 of the first, mixture_stress[0].xx of the first."""
+    found = re.fullmatch(r"(damage_)([1-8])|(mixture_stress)\[([0-2])\](\.\w+)", name)
+    if found is None or (found[3] and f"{found[3]}{found[5]}" not in NUMBERED):
+        return None
+    variable, k = NUMBERED[found[1] or f"{found[3]}{found[5]}"]
+    which = f"solid[{int(found[2]) - 1 if found[2] else int(found[4])}]"
+
+    def values(part: Part) -> Floats | None:
+        give = plot.find(variable)
+        v = kept(part, (variable, which), lambda: None if give is None else give(part, which))
+        return None if v is None else v.reshape(len(v), -1)[:, k]
+
+    return values
 
 
 def means(part: Part, variable: str) -> Floats | None:
@@ -131,4 +185,77 @@ def _position(k: int, part: Part) -> Floats | None:
     return None if part.group is None else position(part)[..., k].mean(axis=1)
 
 
-OTHERS: dict[str, Callable[[Part], Floats | None]] = {c: partial(_position, k) for k, c in enumerate("xyz")}
+def _volume(part: Part) -> Floats | None:
+    """Present volume."""
+    return None if part.group is None else (part.g.wJ0 * part.g.J).sum(axis=1)
+
+
+def _whole(k: int, part: Part) -> Floats | None:
+    """F, times the prestrain where there is any."""
+
+    def values() -> Floats:
+        from febkit.output.plot.prestrain import gradient, prestrained
+
+        found = prestrained(part)
+        F = part.g.F if found is None else part.g.F @ part.shaped(gradient(*found))
+        return np.asarray(F.mean(axis=1).reshape(-1, 9))
+
+    return None if part.group is None else kept(part, "whole gradient", values)[:, k]
+
+
+def _axis_stretch(part: Part) -> Floats | None:
+    """|F e1|, e1 the first local axis."""
+    from febkit.output.plot.fibers import axis_stretch
+
+    v = axis_stretch(part) if part.group is not None else None
+    return None if v is None else v.mean(axis=1)
+
+
+def _fiber(k: int, part: Part) -> Floats | None:
+    """Mean over the points of F a / |F a|."""
+    from febkit.output.plot.fibers import direction
+
+    v = direction(part) if part.group is not None else None
+    return None if v is None else v[..., k].mean(axis=1)
+
+
+def _bonds(which: str, part: Part) -> Floats | None:
+    """A fraction of the bonds, summed over the solids of a mixture."""
+    if part.group is None:
+        return None
+    from febkit.output.plot import bonds
+
+    value, law, pts = getattr(bonds, which), part.g.block.solid, part.points()
+    own = [value(q, law.inner(pts)) for q in (law.children if type(law).__name__ in bonds.MIXED else (law,))]
+    found = [v for v in own if v is not None]
+    return part.shaped(np.sum(found, axis=0)).mean(axis=1) if found else None
+
+
+def _principal_direction(i: int, k: int, part: Part) -> Floats | None:
+    """Principal directions of the mean stress, that of the largest first; their largest components are positive.
+
+    FEBio's are in the order in which its iteration leaves them.
+    """
+
+    def values() -> Floats | None:
+        s = means(part, "stress")
+        if s is None:
+            return None
+        n = np.linalg.eigh(full(s))[1][:, :, ::-1]
+        big = np.take_along_axis(n, np.abs(n).argmax(axis=1)[:, None], axis=1)
+        return np.asarray(n * np.sign(big))
+
+    n = kept(part, "principal directions", values)
+    return None if n is None else n[:, k, i]
+
+
+OTHERS: dict[str, Callable[[Part], Floats | None]] = {
+    **{c: partial(_position, k) for k, c in enumerate("xyz")},
+    **{f"Ft_{c}": partial(_whole, k) for c, k in NINE.items()},
+    **{f"fiber_{c}": partial(_fiber, k) for k, c in enumerate("xyz")},
+    **{f"s{i + 1}{c}": partial(_principal_direction, i, k) for i in range(3) for k, c in enumerate("xyz")},
+    "V": _volume,
+    "fiber_stretch": _axis_stretch,
+    "wi": partial(_bonds, "intact"),
+    "wy": partial(_bonds, "yielded"),
+}

@@ -1,0 +1,84 @@
+"""FEBio's plot variables and log items for solids and biphasic models: febkit has each, or says here why not.
+
+The names are those that FEBio 4.11 registers (:mod:`febkit.feb.features`).
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from febkit.feb import features
+from febkit.output import plot
+from febkit.output.records import bodies, connectors, elements, faces, nodes, surfaces
+
+# reason -> names
+PLOT: dict[str, str] = {
+    "materials of this kind (damage fiber ...) are not solved": """
+    continuous damage; continuous damage D1; continuous damage D2; continuous damage D2beta; continuous damage D3;
+    continuous damage Ds; continuous damage P; continuous damage Psi0; continuous damage beta; continuous damage gamma
+    """,
+    "the formulation ut4-solid is not solved": "ut4 nodal stress",
+    "mortar and edge contact are not solved": "mortar-gap; edge contact gap",
+    "loads and controllers of these names are not solved": "ideal gas pressure; pid controller",
+    "sliding-biphasic contact has no friction yet": "effective friction coefficient",
+    "multiscale materials are not solved": "G norm; PK1 norm; QK1 norm; micro energy",
+    "beams and trusses": """
+    beam curvature; beam reference stress; beam reference stress couple; beam strain; beam stress; beam stress
+    couple; rotation; truss stretch
+    """,
+    "mixtures with solutes": """
+    concentration gap; osmotic coefficient; receptor-ligand concentration; sbm areal concentration; solute
+    volumetric flux
+    """,
+    "FEBio's fluid modules": """
+    dilatation gradient; elastic fluid pressure; fluid acceleration; fluid body force; fluid bulk modulus;
+    fluid density; fluid density rate; fluid dilatation; fluid element angular momentum; fluid element center
+    of mass; fluid element kinetic energy; fluid element linear momentum; fluid element strain energy; fluid
+    energy density; fluid heat flux; fluid heat supply density; fluid isobaric specific heat capacity; fluid
+    isochoric specific heat capacity; fluid kinetic energy density; fluid mass flow rate; fluid pressure
+    tangent strain; fluid pressure tangent temperature; fluid rate of deformation; fluid relative Reynolds
+    number; fluid relative thermal Peclet number; fluid shear stress error; fluid shear viscosity; fluid
+    specific entropy; fluid specific free energy; fluid specific free enthalpy; fluid specific gauge enthalpy;
+    fluid specific internal energy; fluid specific strain energy; fluid strain energy density; fluid stress;
+    fluid stress power density; fluid surface energy flux; fluid surface force; fluid surface moment; fluid
+    surface pressure; fluid surface traction power; fluid temperature; fluid thermal conductivity; fluid
+    velocity; fluid volume ratio; fluid volume ratio gradient; fluid vorticity; nodal fluid temperature; nodal
+    fluid velocity; nodal polar fluid angular velocity; polar fluid angular velocity; polar fluid couple
+    stress; polar fluid regional angular velocity; polar fluid relative angular velocity; polar fluid stress;
+    relative fluid velocity; solid volume fraction; solute relative Peclet number
+    """,
+}
+LOG: dict[str, str] = {
+    "the constraint volume is not solved": "constrained volume; volume pressure",
+    "mixtures with solutes": "Iex; Iey; Iez; c; cF; crc; jx; jy; jz; psi",
+    "FEBio's fluid modules": """
+    fJ; fax; fay; faz; fd; fdxx; fdxy; fdxz; fdyy; fdyz; fdzz; fmxs; fp; fs1; fs2; fs3; fsp; fsxx; fsxy; fsxz;
+    fsyy; fsyz; fszz; fvx; fvy; fvz; fwx; fwy; fwz; fx; fy; fz; nfvx; nfvy; nfvz
+    """,
+}
+# data of domains and of the model, and functions: tests/output/test_records.py
+ELSEWHERE = {"_math", "avg", "integrate", "pct", "max contact gap", "normalized internal energy", "solution_norm",
+             "total energy"}  # fmt: skip
+
+
+def names(table: dict[str, str]) -> set[str]:
+    return {" ".join(n.split()) for text in table.values() for n in text.split(";")}
+
+
+@pytest.mark.parametrize("name", sorted(features.table()["plot"]))
+def test_a_plot_variable_is_there_or_has_a_reason(name: str) -> None:
+    there = plot.find(name) is not None
+    assert there != (name in names(PLOT)), f'"{name}" is {"listed here as absent" if there else "not computed"}'
+
+
+def _item(name: str) -> bool:
+    tables = (elements.datum, bodies.datum, connectors.datum)
+    nodal = (name[-1] in "xyz" and name[:-1] in nodes.VECTORS) or name in nodes.ALIASES
+    return nodal or any(f(name) for f in tables) or name in faces.ITEMS or name in surfaces.ITEMS
+
+
+@pytest.mark.parametrize("name", sorted(set(features.table()["log"]) - ELSEWHERE))
+def test_a_log_item_is_there_or_has_a_reason(name: str) -> None:
+    there = _item(name)
+    if name not in nodes.ALIASES:
+        assert there != (name in names(LOG)), f'"{name}" is {"listed as absent" if there else "not computed"}'
