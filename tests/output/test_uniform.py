@@ -25,8 +25,8 @@ def deck(variables: list[str], log: str = "") -> str:
     for k, X in enumerate(CUBE):
         u = (F - I) @ X
         for d, v in zip("xyz", u, strict=True):
-            bc += (f'<bc node_set="n{k + 1}" type="prescribed displacement"><dof>{d}</dof><value lc="1">{float(v)!r}</value>'
-                   "<relative>0</relative></bc>")  # fmt: skip
+            bc += f'<bc node_set="n{k + 1}" type="prescribed displacement"><dof>{d}</dof>'
+            bc += f'<value lc="1">{float(v)!r}</value><relative>0</relative></bc>'
     asked = "".join(f'<var type="{v}"/>' for v in variables)
     return f"""<?xml version="1.0"?>
 <febio_spec version="4.0"><Module type="solid"/>
