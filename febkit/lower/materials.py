@@ -20,9 +20,6 @@ from .laws import law
 # elements FEBio gives the three-field formulation where the material is uncoupled
 THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15"}
 OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_field", "but4", "secant_stress", "secant_tangent"})  # noqa: E501
-# materials refused until a model of FEBio's suite agrees: in the one with cubic CLE a rotation is left free, which
-# rounding decides in FEBio (stresses agree to rounding, and so do displacements where the rotation is held)
-UNPROVEN = frozenset({"cubic CLE"})
 MIXTURES = ("biphasic-solute", "triphasic", "multiphasic")  # read by mixtures, which is imported where one is there
 # written by FEBio Studio, of no meaning to a solver
 IGNORED = frozenset({"name", "mat_axis", "print_derivs"})
@@ -108,7 +105,7 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
 def _formulation(ctx: Context, d: Domain, block: Block, mixture: bool) -> None:
     """FEBio's rule for which formulation an element gets, and the options of <SolidDomain>."""
     options = d.spec
-    if d.type in ("ut4-solid", "remodeling-solid", "udg-hex", "sri-solid", "rigid-solid"):
+    if d.type in ("ut4-solid", "udg-hex", "sri-solid", "rigid-solid"):
         ctx.refuse(f'<SolidDomain type="{d.type}">', d.where)
     if options is not None:
         ctx.check_tags(options, OPTIONS)
@@ -153,7 +150,7 @@ def _defaults(cls: Any) -> dict[str, Any]:
 def record(ctx: Context, spec: Component, table: str, part: str) -> Any:
     """The record of a material or of a property of one; None where it is refused."""
     kind = spec.type or spec.tag  # a child without a type is of the one its tag names
-    if not registry.known(table, kind) or kind in UNPROVEN:
+    if not registry.known(table, kind):
         ctx.refuse(f'<{spec.tag} type="{kind}">', spec.where)
         return None
     cls = registry.load(table, kind)

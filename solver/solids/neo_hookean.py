@@ -16,7 +16,8 @@ from .registry import register
 
 
 @kernel
-def _run(F, J, par, s, c):
+def add_stress(F, J, par, s, c):
+    """Add stress and tangent; ``par`` (1|n, 2): E and v."""
     b = np.empty(6)
     for i in range(len(J)):
         m = i if par.shape[0] > 1 else 0
@@ -28,6 +29,12 @@ def _run(F, J, par, s, c):
             s[i, a + 3] += g * b[a + 3]
         if c.shape[0] > 0:
             add_identity(c, i, lam / J[i], 2.0 * (g - p))
+
+
+def strain_energy(pts: Points, lam: Floats, mu: Floats) -> Floats:
+    """W (n,) of Lame's parameters (1|n,)."""
+    lnJ = np.log(pts.J)
+    return np.asarray(0.5 * mu * ((pts.F**2).sum((1, 2)) - 3.0 - 2.0 * lnJ) + 0.5 * lam * lnJ**2)
 
 
 @dataclass(eq=False)
@@ -42,12 +49,10 @@ class NeoHookean(Solid):
     parameters = ("E", "v")
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        _run(pts.F, pts.J, self.par(pts), s, wanted(c))
+        add_stress(pts.F, pts.J, self.par(pts), s, wanted(c))
 
     def energy(self, pts: Points) -> Floats:
-        lam, mu = shear_and_first(self.par(pts))
-        lnJ = np.log(pts.J)
-        return 0.5 * mu * ((pts.F**2).sum((1, 2)) - 3.0 - 2.0 * lnJ) + 0.5 * lam * lnJ**2
+        return strain_energy(pts, *shear_and_first(self.par(pts)))
 
 
 register(NeoHookean, "neo-Hookean")

@@ -102,6 +102,7 @@ TABLES: dict[str, dict[str, str]] = {
         "HGO unconstrained": "holzapfel_gasser_ogden:HolzapfelUnconstrained",
         "2D trans iso Mooney-Rivlin": "planar_fibers:PlanarFibers",
         "Mooney-Rivlin von Mises Fibers": "planar_fibers:VonMisesFibers",
+        "remodeling solid": "remodeling:Remodeling",
         "scaled elastic": "scaled:Scaled",
         "scaled uncoupled": "scaled:ScaledUncoupled",
         "TC nonlinear orthotropic": "tc_orthotropic:TCOrthotropic",
@@ -199,6 +200,12 @@ TABLES: dict[str, dict[str, str]] = {
     },
     "generation": {
         "generation": "multigeneration:Generation",
+    },
+    "remodeled": {
+        "Carter-Hayes (old)": "carter_hayes:CarterHayes",
+    },
+    "solid_supply": {
+        "Huiskes-supply": "remodeling:HuiskesSupply",
     },
     "prestrain": {
         "prestrain gradient": "prestrain:PrestrainGradient",

@@ -216,6 +216,10 @@ COMPOSITE = {
         plastic_damage=_cdf(),
         plastic_damage_criterion=of("criterion", "DC octahedral shear strain"),
     ),
+    "remodeling solid": lambda: solid(
+        "remodeling solid", min_density=0.2, max_density=3.0, supply=of("solid_supply", "Huiskes-supply", B=0.8, k=0.1),
+        solid=of("remodeled", "Carter-Hayes (old)", c=2.0, gamma=1.6, v=0.3, density_=1.1),
+    ),
     "kinematic growth": lambda: solid(
         "kinematic growth",
         elastic=neo_hookean(),
@@ -318,6 +322,7 @@ def example(name):
 NO_ENERGY_LAW = {
     "Yeoh": "its stress takes sum c_i (I1 - 3)^(i - 1) for the derivative of its energy",
     "Shenoy": "it has no energy",
+    "remodeling solid": "its mass follows the energy",
     "muscle material": "it has no energy",
     "tendon material": "it has no energy",
     "EFD Donnan equilibrium": "osmotic",

@@ -16,7 +16,6 @@ def lists() -> str:
     from febkit.lower.beams import KINDS as BEAMS
     from febkit.lower.conditions import READERS
     from febkit.lower.connectors import KINDS
-    from febkit.lower.materials import UNPROVEN
     from febkit.lower.rigid import READERS as RIGID
     from febkit.lower.ties import LAWS
     from febkit.solver import (
@@ -35,7 +34,7 @@ def lists() -> str:
     from febkit.solver.solids.registry import tables
 
     rows = {
-        "solids": sorted(set(tables()["solid"]) - UNPROVEN),
+        "solids": sorted(tables()["solid"]),
         "permeabilities": sorted(permeabilities.TYPES),
         "solvent supplies": sorted(supplies.TYPES),
         "diffusivities": sorted(diffusivities.TYPES),
