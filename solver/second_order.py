@@ -1,9 +1,9 @@
 """Transient steps of second order with an estimate of their error (opt-in; FEBio has backward Euler alone).
 
-The rates in the equations are those of y: the relative volume J, in mixtures the moles of each solute per
-referential volume too, and what is bound to the solid. The two-stage singly diagonal implicit Runge-Kutta method of
-Alexander (SIAM J Numer Anal 14 (1977) 1006; L-stable, gamma = 1 - 1/sqrt 2) is then two backward Euler solves of size
-gamma dt: the first from y_n to t + gamma dt, the second to t + dt from y_n + (1 - gamma) / gamma (y_1 - y_n).
+The rates in the equations are those of y: the relative volume J, in mixtures the moles of each solute per referential
+volume too, and what is bound to the solid. The two-stage singly diagonal implicit Runge-Kutta method of Alexander
+(SIAM J Numer Anal 14 (1977) 1006; L-stable, gamma = 1 - 1/sqrt 2) is then two backward Euler solves of size gamma dt:
+the first from y_n to t + gamma dt, the second to t + dt from y_n + (1 - gamma) / gamma (y_1 - y_n).
 """
 
 from __future__ import annotations

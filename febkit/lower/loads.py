@@ -160,13 +160,15 @@ def _backs(ctx: Context, c: Component, nodes: np.ndarray) -> np.ndarray:
 def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, relative: bool) -> Any:
     dof = c.need("dof").text.strip()
     leaf = c.child("scale") or c.need("value")
-    if dof in ("sx", "sy", "sz", "q"):
-        nodes, dof = _backs(ctx, c, nodes), dof[1:] or "p"
+    if dof in ("sx", "sy", "sz", "q") or (dof[:1] == "d" and ctx.layout.has("c" + dof[1:])):
+        nodes, dof = _backs(ctx, c, nodes), "c" + dof[1:] if dof[0] == "d" else dof[1:] or "p"
         X = ctx.X[nodes]
     if dof == "p":  # FEBio multiplies loads on the pressure by the step size
         return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf))
     if dof in ("u", "v", "w") and ctx.layout.turns:
         return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
+    if ctx.layout.has(dof) and ctx.layout.column(dof) in ctx.layout.concentrations:
+        return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf), rate=dof == "c1")
     if dof not in ("x", "y", "z"):
         ctx.refuse(f"a nodal load on {dof}", c.where)
         dof = "x"

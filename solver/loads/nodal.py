@@ -85,10 +85,14 @@ class NodalForce(NodalLoad):
 
 @dataclass(eq=False)
 class NodalDofLoad(NodalLoad):
-    """A load ``scale`` on one degree of freedom by FEBio's name: x, y, z or p (a volume of fluid)."""
+    """A load ``scale`` on one degree of freedom by FEBio's name: x, y, z, p (a volume of fluid) or c1 (moles).
+
+    ``rate``: it is per time. FEBio 4.11 takes loads on c1 so, those on other concentrations as moles per step.
+    """
 
     dof: str = "x"
     scale: Number = 0.0
+    rate: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         self.scale = as_value(self.scale)
@@ -97,7 +101,7 @@ class NodalDofLoad(NodalLoad):
         return np.array([layout.column(self.dof)])
 
     def values(self, state: State) -> Floats:
-        return self._scalar(self.scale, state.time)
+        return self._scalar(self.scale, state.time) * (state.dt if self.rate else 1.0)
 
 
 @dataclass(eq=False)

@@ -142,6 +142,10 @@ class Work:
         """Permeability (n, 6) to fluid at points, None where there is no fluid."""
         return None
 
+    def pressure(self, pts: Points) -> tuple[Floats, Floats] | None:
+        """Actual fluid pressure p and J dp/dJ at fixed nodal values (n,), at all points; None where no fluid is."""
+        return None
+
     def diffusivity(self, e: NDArray[np.int64], field: str) -> Floats | None:
         """phi kappa_hat D (n, 6) of the solute of a nodal field at the first points of elements e; None: none there."""
         return None

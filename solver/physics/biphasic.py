@@ -198,6 +198,9 @@ class BiphasicWork(StandardWork):
         self.mixture.permeability.permeability(pts, self.mixture.phi0(pts.t, pts.X, pts.e), k, None)
         return k
 
+    def pressure(self, pts: Points) -> tuple[Floats, Floats]:
+        return self.pg.reshape(-1), np.zeros(pts.n)
+
     def solid_fraction(self) -> Floats:
         """Referential solid volume fraction (m, g)."""
         g, pts = self.group, self.group.points()

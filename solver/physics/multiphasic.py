@@ -189,8 +189,12 @@ class MultiphasicWork(StandardWork):
         s, C = np.zeros((g.m * g.g, 6)), np.zeros((g.m * g.g, 6, 6))
         g.block.solid.stress(g.points(), s, C)
         C = C[q]
-        add_pressure(C, self.at.pa[q], pressure_slope(self.at, g.points())[q])
+        p, slope = self.pressure(g.points())
+        add_pressure(C, p[q], slope[q])
         return C
+
+    def pressure(self, pts: Points) -> tuple[Floats, Floats]:
+        return self.at.pa, pressure_slope(self.at, pts)
 
     def _points(self, values: Floats) -> Floats:
         """Values (m g, ...) by element and point."""
@@ -201,6 +205,16 @@ class MultiphasicWork(StandardWork):
         s = self.s.copy()
         s[..., :3] -= self._points(self.at.pa)[..., None]
         return s
+
+    def osmotic_coefficient(self, pts: Points) -> Floats:
+        """At all points (m, g)."""
+        phi = self.mix.osmotic_coefficient.coefficient(pts, self.at.solution(slice(None)))
+        return self._points(np.broadcast_to(phi, (pts.n,)))
+
+    def velocities(self) -> Floats:
+        """j_i / c_i (m g, solute of the material, 3), zero where there is no solute."""
+        c = self.at.ca[..., None]
+        return np.divide(self.at.j, c, out=np.zeros_like(self.at.j), where=c > 0.0)
 
     def by_solute(self, values: Floats) -> Floats:
         """Values (m g, solute of the material, ...) for all solutes of the model, zero where the material has none."""
@@ -226,7 +240,9 @@ class MultiphasicWork(StandardWork):
         "referential solid volume fraction": lambda w: w._points(w.at.phi0),
         "solute concentration": lambda w: w.by_solute(w.at.ca),
         "partition coefficient": lambda w: w.by_solute(w.at.kappa),
+        "receptor-ligand concentration": lambda w: w._points(w.at.complex) if w.mix.neutral else None,
         "solute flux": lambda w: w.by_solute(w.at.j),
+        "solute volumetric flux": lambda w: w.by_solute(w.velocities()),
         "electric potential": lambda w: w._points(w.at.electric_potential()),
         "current density": lambda w: w._points(w.at.current_density()),
         "fixed charge density": lambda w: w._points(w.at.cF),

@@ -125,3 +125,23 @@ def test_a_bath_may_change_with_time(tmp_path: Path) -> None:
     c = solve(text, tmp_path)["effective_solute_concentration"].sel(solute="Glc").values[:, 8:16]
     assert c[-1] == pytest.approx(0.8)
     assert c[-3] == pytest.approx(0.5)
+
+
+def test_differences_across_a_contact_in_the_plotfile(tmp_path: Path) -> None:
+    """What passes a tie, at rest, is its penalty times the difference; the fluid's force is pressure times area."""
+    ends = BATH + prescribed("concentration", "end", 0.4, "c3") + prescribed("fluid pressure", "end", 0.3)
+    weak = contact("tied-multiphasic").replace("two_pass>1", "two_pass>0").replace("auto_penalty>1", "auto_penalty>0")
+    text = deck(
+        DIFFUSING, HELD + ends, initial("c3", 0.7), mesh=halves(2), domains=TWO, more=weak.replace("1e4", "2"),
+        analysis="STEADY-STATE",
+    )  # fmt: skip
+    names = ("pressure gap", "concentration gap", "fluid force", "fluid flux")
+    last = solve(text.replace("</plotfile>", "".join(f'<var type="{n}"/>' for n in names) + "</plotfile>"), tmp_path)
+    last = last.isel(time=-1)
+    gap, step = last["pressure_gap"].values.ravel()[0], last["concentration_gap"].sel(solute="Glc").values.ravel()[0]
+    w, j = last["fluid_flux"].values[:, 2], last["solute_flux"].sel(solute="Glc").values[:, 2]
+    assert gap == pytest.approx(w[1] / 2, rel=1e-3) and step == pytest.approx(j[1] / 2, rel=1e-2)
+    assert (last["concentration_gap"].sel(solute="Na").values == 0).all()
+    p = last["effective_fluid_pressure"].values
+    np.testing.assert_allclose(last["fluid_force"].values.reshape(2, 3)[:, 2], [p[8], -p[12]], rtol=1e-6)
+    assert p[8] - p[12] == pytest.approx(gap, rel=1e-5)

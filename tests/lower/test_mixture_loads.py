@@ -145,3 +145,26 @@ def test_the_tangent_of_a_natural_flux(tmp_path: Path) -> None:
         D = -(forces(d0 + step.reshape(8, 5)) - forces(d0 - step.reshape(8, 5))) / (2 * h)
         assert K[:, j] == pytest.approx(D, rel=1e-6, abs=1e-10)
         assert np.abs(D).max() > 1e-6
+
+
+def injected(steps: int) -> str:
+    """A closed rod into which glucose, the third solute, is given at the four nodes of its start."""
+    load = '<nodal_load type="nodal_load" node_set="start"><dof>c3</dof><scale>-0.02</scale></nodal_load>'
+    held = HELD + '<bc type="zero fluid pressure" node_set="all"/>'
+    return deck(GLUCOSE, held, initial("c3", 1.0), n=4, steps=(steps, 1.0 / steps), more=f"<Loads>{load}</Loads>")
+
+
+def given(text: str, folder: Path) -> float:
+    """Moles that came into the unit cube, four fifths of which are fluid."""
+    last = solve(text, folder).isel(time=-1)
+    return 0.8 * (float(last["solute_concentration"].sel(solute="Glc").mean()) - 1.0)
+
+
+@pytest.mark.parametrize("steps", [2, 4])
+def test_nodal_loads_on_concentrations(steps: int, tmp_path: Path) -> None:
+    """FEBio 4.11 takes one on c1 as moles per time, those on other concentrations as moles in each step."""
+    text = injected(steps)
+    assert given(text, tmp_path) == pytest.approx(0.08 * steps, rel=1e-5)
+    first = text.replace('id="1" name="Na"', 'id="0" name="Na"').replace('id="3" name="Glc"', 'id="1" name="Glc"')
+    first = first.replace('id="0" name="Na"', 'id="3" name="Na"').replace("c3", "c1")
+    assert given(first, tmp_path) == pytest.approx(0.08, rel=1e-5)

@@ -90,13 +90,14 @@ FILES: dict[str, tuple[str, ...]] = {
     "loads": ("body force", "scalar surface load"),
     "maps": ("field", "parameter", "mesh_data"),
     "fluids": ("effective fluid pressure", "nodal fluid flux", "permeability", "effective elasticity"),
-    "solutes": ("effective solute concentration",),
+    "solutes": ("effective solute concentration", "osmotic coefficient", "concentration gap"),
 }  # fmt: skip
 _FILE = {name: file for file, names in FILES.items() for name in names}
 # arrays over the model's solutes, and over its solid-bound molecules
 ARRAYS = {
     "effective solute concentration": "solute", "solute concentration": "solute", "partition coefficient": "solute",
-    "solute flux": "solute", "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
+    "solute flux": "solute", "solute volumetric flux": "solute", "concentration gap": "solute",
+    "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
 }  # fmt: skip
 
 

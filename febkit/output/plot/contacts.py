@@ -223,13 +223,18 @@ def force(face: Face) -> Floats | None:
 # ---- fluid ----------------------------------------------------------------------------------------------
 def pressure_gap(face: Face) -> Floats | None:
     """Difference of the fluid's pressures at the points, averaged over facets."""
+    return step(face, PRESSURE.name)
+
+
+def step(face: Face, field: str) -> Floats | None:
+    """Difference at the points of a field that passes, averaged over facets; zero where it does not."""
     found = sides(face)
     passages = getattr(found[1], "passages", None) if found is not None else None
     if found is None or passages is None:
         return None
     contact, side = found
-    fluid = [q for q in passages if q.field == PRESSURE.name] if side in contact.passes else []
-    return side.surface.means(fluid[0].step if fluid else np.zeros(side.n), side.nodal)
+    own = [q for q in passages if q.field == field] if side in contact.passes else []
+    return side.surface.means(own[0].step if own else np.zeros(side.n), side.nodal)
 
 
 def of_fluid(face: Face) -> Floats | None:

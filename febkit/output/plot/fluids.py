@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from febkit.solver.fields import PRESSURE
+from febkit.solver.multiphasic.tangent import add_pressure
 
+from . import laws
 from .base import Floats, Part, at_nodes, mean, of_solids, register
-from .stresses import UPPER, elasticity
+from .stresses import upper
 
 
 def pressure(part: Part) -> Floats | None:
@@ -18,20 +18,20 @@ def pressure(part: Part) -> Floats | None:
 
 
 def permeability(part: Part) -> Floats | None:
-    """Hydraulic permeability (m, g, 6)."""
-    k = part.g.physics.permeability(part.points())
+    """Hydraulic permeability (m, g, 6), of biphasic parts alone, as FEBio has it."""
+    k = part.g.physics.permeability(part.points()) if part.g.block.physics.name == "biphasic" else None
     return None if k is None else part.shaped(k)
 
 
 def mixture_elasticity(part: Part) -> Floats | None:
-    """Spatial elasticity of the solid and of the fluid's pressure, c - p (I dyad I - 2 I circle I) (m, g, 21)."""
-    p = part.at_points("fluid pressure")
+    """Spatial elasticity of a mixture at fixed effective pressure and concentrations (m, g, 21)."""
+    pts = part.points()
+    p = part.g.physics.pressure(pts)
     if p is None:
         return None
-    unit = np.zeros((6, 6))
-    unit[:3, :3] = -1.0
-    unit += np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
-    return elasticity(part) + p[..., None] * np.array([unit[i, j] for i, j in UPPER])
+    C = laws.tangent(part.g.block.solid.stress, pts)
+    add_pressure(C, *p)
+    return upper(part, 0.5 * (C + C.transpose(0, 2, 1)))
 
 
 register("effective fluid pressure", pressure)

@@ -1,10 +1,15 @@
-"""Effective concentrations at the nodes of parts."""
+"""Effective concentrations at the nodes of parts, and what the solution has at their points."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from .base import Floats, Part, register
+from febkit.model.species import solutes
+from febkit.solver.fields import concentration
+
+from .base import Face, Floats, Part, mean, register
 
 
 def concentrations(part: Part) -> Floats | None:
@@ -22,4 +27,21 @@ def concentrations(part: Part) -> Floats | None:
     return out
 
 
+def osmotic_coefficient(part: Part) -> Floats | None:
+    """(m, g), None where nothing is dissolved."""
+    physics: Any = part.g.physics
+    return physics.osmotic_coefficient(part.points()) if part.g.block.physics.name == "multiphasic" else None
+
+
+def gaps(face: Face) -> Floats | None:
+    """Differences of the effective concentrations across a contact (facet, solute of the model)."""
+    from .contacts import step
+
+    found = [step(face, concentration(s.index + 1).name) for s in solutes(face.view.model)]
+    known = [v for v in found if v is not None]
+    return np.stack(known, axis=1) if known else None
+
+
 register("effective solute concentration", concentrations)
+register("osmotic coefficient", mean(osmotic_coefficient))
+register("concentration gap", gaps)

@@ -70,16 +70,17 @@ def pressure(part: Part) -> Floats | None:
 
 def elasticity(part: Part) -> Floats:
     """Spatial elasticity of the solid (m, g, 21)."""
-    return _upper(part, laws.tangent(part.g.block.solid.stress, part.points()))
+    return upper(part, laws.tangent(part.g.block.solid.stress, part.points()))
 
 
 def distortional_elasticity(part: Part) -> Floats | None:
     """Spatial elasticity of the distortional stress of an uncoupled solid (m, g, 21)."""
     law = part.g.block.solid
-    return _upper(part, laws.tangent(distortional(law), part.points())) if isinstance(law, Uncoupled) else None
+    return upper(part, laws.tangent(distortional(law), part.points())) if isinstance(law, Uncoupled) else None
 
 
-def _upper(part: Part, c: Floats) -> Floats:
+def upper(part: Part, c: Floats) -> Floats:
+    """Elasticities (n, 6, 6) of all points as FEBio stores them (m, g, 21)."""
     return part.shaped(np.stack([c[:, i, j] for i, j in UPPER], axis=-1))
 
 
