@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from febkit.solver.fields import PRESSURE
-from febkit.solver.multiphasic.tangent import add_pressure
 
 from . import laws
 from .base import Floats, Part, at_nodes, mean, of_solids, register
@@ -25,6 +24,8 @@ def permeability(part: Part) -> Floats | None:
 
 def mixture_elasticity(part: Part) -> Floats | None:
     """Spatial elasticity of a mixture at fixed effective pressure and concentrations (m, g, 21)."""
+    from febkit.solver.multiphasic.tangent import add_pressure
+
     pts = part.points()
     p = part.g.physics.pressure(pts)
     if p is None:
