@@ -17,7 +17,7 @@ from febkit.model import InputError
 from febkit.output import plot
 from febkit.output.plot.base import Part, full
 
-from . import Column, Floats, Ints, places
+from . import Column, Floats, Ints, places, species
 from .elements import datum
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
 
 
 def column(view: View, name: str, entry: LogEntry) -> Column | None:
-    of_part = call(name) or {"volume": volume, "total energy": energy}.get(name)
+    of_part = call(name) or {"volume": volume, "total energy": energy}.get(name) or species.integral(name)
     if name == "normalized internal energy":
         of_part = Work(view)
     return None if of_part is None else partial(_each, view, of_part)

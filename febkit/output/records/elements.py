@@ -18,7 +18,7 @@ from febkit.output import plot
 from febkit.output.plot.base import Part, full, kept, voigt
 from febkit.output.plot.stresses import UPPER
 
-from . import Column, Floats, Ints, places
+from . import Column, Floats, Ints, places, species
 
 if TYPE_CHECKING:
     from febkit.model import LogEntry
@@ -53,6 +53,10 @@ COMPONENTS: dict[str, tuple[str, int]] = {
     **{f"Kp{c}": ("permeability", k) for c, k in DOUBLE.items()},
     **{f"es{c}": ("solid stress", k) for c, k in DOUBLE.items()},
     **{f"c{PAIRS[i]}{PAIRS[j]}": ("elasticity", k) for k, (i, j) in enumerate(UPPER)},
+    "cF": ("fixed charge density", 0),
+    "psi": ("electric potential", 0),
+    "crc": ("receptor-ligand concentration", 0),
+    **{f"Ie{c}": ("current density", k) for k, c in enumerate("xyz")},
     "D": ("damage", 0),
     "wf": ("fatigue bond fraction", 0),
     "ops": ("octahedral plastic strain", 0),
@@ -95,7 +99,7 @@ def datum(name: str) -> Callable[[Part], Floats | None] | None:
         return partial(_effective, EFFECTIVE[name])
     if name.startswith("="):
         return formula(name[1:])
-    return _numbered(name) or OTHERS.get(name)
+    return _numbered(name) or OTHERS.get(name) or species.datum(name)
 
 
 def formula(text: str) -> Callable[[Part], Floats | None] | None:
