@@ -121,6 +121,11 @@ class NewtonOptions:
     gamma: float = 0.5
     rho_inf: float = -2.0
 
+    @property
+    def between(self) -> bool:
+        """Are forces of dynamic analyses taken before the step's end?"""
+        return 0 <= self.rho_inf <= 1 or (self.rho_inf != -1 and self.alpha != 1.0)
+
     def tolerance(self, of: Field) -> float:
         """The tolerance of a field."""
         named = {"dtol": self.dtol, "ptol": self.ptol, "ctol": self.ctol}

@@ -174,7 +174,8 @@ class System:
         if self._pattern is None or self.contacts:
             met = [np.asarray(q, np.int32) for c in self.contacts for q in c.cliques()]
             if self._pattern is None or not self._pattern.holds(met):
-                cliques = [*(q for load in self.loads for q in load.cliques()), *met]
+                cliques = [*(q for a in self.loads for q in a.cliques()), *met]
+                cliques += [q for g in self.groups for q in g.physics.cliques()]
                 if self.bodies is not None:
                     cliques += self.bodies.cliques()
                 self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
@@ -290,6 +291,9 @@ class System:
                 g.update(c, s, u, drive)
 
         self.schedule.map(work)
+        for g in self.groups:
+            if g.physics.collects:
+                g.physics.collect(s)
         if self.alphaf != 1.0 and s.dt > 0:
             for g in self.groups:
                 g.physics.end(s, self.alphaf)
@@ -385,6 +389,9 @@ class System:
         Fd[self.eqs.rows] = target.Fd
         if self.ties is not None:
             Fd += target.Fb
+        for g in self.groups:
+            for K, nodes, columns in g.physics.couplings(self.state, A.symmetric):
+                self._add(A, K, nodes, columns, step, Fd)
         if self.alphaf != 1.0:
             A.data *= self.alphaf
             Fd *= self.alphaf

@@ -111,6 +111,9 @@ def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
     without an energy."""
     three = any(b.physics.name == "three-field" and not b.element.startswith("shell_") for b in blocks)
     for s, spec in zip(steps, ctx.model.steps):
+        if s.analysis == DYNAMIC and s.newton.between and any(b.physics.name == "ut4" for b in blocks):
+            where = spec.control.where if spec.control else None
+            ctx.refuse("forces within the step (<rhoi>, <alpha>) of ut4-solid", where)
         if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and three:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
         elif s.analysis == DYNAMIC and s.newton.rho_inf == 1:

@@ -105,7 +105,12 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
 def _formulation(ctx: Context, d: Domain, block: Block, mixture: bool) -> None:
     """FEBio's rule for which formulation an element gets, and the options of <SolidDomain>."""
     options = d.spec
-    if d.type in ("ut4-solid", "udg-hex", "sri-solid", "rigid-solid"):
+    if d.type == "ut4-solid":
+        from . import tets
+
+        tets.nodal(ctx, d, block, mixture)
+        return
+    if d.type in ("udg-hex", "sri-solid", "rigid-solid"):
         ctx.refuse(f'<SolidDomain type="{d.type}">', d.where)
     if options is not None:
         ctx.check_tags(options, OPTIONS)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from ..action import Matrices
+    from ..action import Ints, Matrices
     from ..fields import Field
     from ..group import Chunk, Group
     from ..points import Points
@@ -36,13 +36,14 @@ class Work:
     ``memory``: names of the arrays that a failed step gives back; ``held``: names of arrays at the points with what
     messages call them, which must be finite. ``outputs``: FEBio's names of plot variables with
     functions from the work to values at the integration points (m, g[, component]), None where it has none.
-    ``spins``: its inertia is its own, not that of the mass of displacements alone (:mod:`..mass`); ``pull``: sign of
-    body loads on it.
+    ``collects``: stresses need all elements (:meth:`collect`). ``spins``: its inertia is its own, not that of the mass
+    of displacements alone (:mod:`..mass`); ``pull``: sign of body loads on it.
     """
 
     memory: ClassVar[tuple[str, ...]] = ()
     held: ClassVar[Mapping[str, str]] = {}
     outputs: ClassVar[Mapping[str, Output]] = {}
+    collects: ClassVar[bool] = False
     spins: ClassVar[bool] = False
     pull: ClassVar[float] = 1.0
 
@@ -71,6 +72,9 @@ class Work:
         """Stresses and fluxes of a chunk at the present state; ``drive``: body forces that act on fluids."""
         raise NotImplementedError
 
+    def collect(self, state: State) -> None:
+        """What is had from all elements, once all chunks are updated."""
+
     def end(self, state: State, alphaf: float) -> None:
         """What the state at the step's end adds where chunks were updated at a time within it (alphaf < 1)."""
 
@@ -81,6 +85,14 @@ class Work:
     def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
         """Add the tangents of a chunk's elements to ``target``."""
         raise NotImplementedError
+
+    def cliques(self) -> list[Ints]:
+        """Nodes (k, n) that are coupled beyond their elements."""
+        return []
+
+    def couplings(self, state: State, symmetric: bool) -> Matrices:
+        """Tangents of such nodes, in triples as those of actions (:mod:`..action`)."""
+        return []
 
     def inertia(self, state: State, R: Floats) -> None:
         """Subtract its own forces of inertia from R (node, column)."""

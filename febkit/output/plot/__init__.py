@@ -25,8 +25,8 @@ FILES: dict[str, tuple[str, ...]] = {
     ),
     "stresses": (
         "PK1 stress", "PK2 stress", "s norm", "uncoupled pressure", "elasticity", "deviatoric elasticity",
-        "mixture stress", "volume fraction", "nodal stress", "Drucker shear stress", "Drucker-Prager stress",
-        "Deshpande-Fleck stress",
+        "mixture stress", "volume fraction", "nodal stress", "ut4 nodal stress", "Drucker shear stress",
+        "Drucker-Prager stress", "Deshpande-Fleck stress",
     ),
     "energies": (
         "density", "specific strain energy", "deviatoric strain energy density", "mixture strain energy density",

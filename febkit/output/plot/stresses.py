@@ -98,6 +98,16 @@ def weight(part: Part) -> Floats | None:
     return np.ones_like(part.g.J) if type(part.g.block.solid).__name__ == "SolidMixture" else None
 
 
+def of_tets(part: Part) -> Floats | None:
+    """Stress at the nodes of tetrahedra integrated there (node, 6)."""
+    from febkit.solver.physics.nodal_tets import NodalWork
+
+    work = None if part.group is None else part.g.physics
+    if not isinstance(work, NodalWork):
+        return None
+    return np.asarray(work.sn[np.searchsorted(work.nodes, part.mesh.nodes())])
+
+
 # ---- stresses of yield and damage criteria --------------------------------------------------------------
 class _Given:
     """A law whose stress is given (n, 6), as criteria want one."""
@@ -136,6 +146,7 @@ register("deviatoric elasticity", mean(distortional_elasticity))
 register("mixture stress", mean(of_component), more=True)
 register("volume fraction", mean(weight))
 register("nodal stress", at_nodes(of_solids(lambda part: part.at_points("stress"))))
+register("ut4 nodal stress", of_tets)
 register("Drucker shear stress", mean(of_criterion("Drucker")))
 register("Drucker-Prager stress", mean(of_criterion("DruckerPrager")))
 register("Deshpande-Fleck stress", mean(of_criterion("DeshpandeFleck")))
