@@ -72,6 +72,7 @@ class Context:
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.made: list[Block] = []  # and the blocks
         self.common = Step()  # what acts in every step
+        self._made_data: dict[int, np.ndarray | None] = {}
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:
@@ -287,11 +288,14 @@ class Context:
         order = {int(i): k for k, i in enumerate(block.ids)}
         given = []
         for d in data:
+            ids = element_ids(mesh, d.set, d.where)
             if d.values is None or d.items is None:
-                self.refuse(f'element data "{d.name}" made by {d.spec.type}', d.where)
-                return np.zeros((len(block.ids), 9))
-            ids = element_ids(mesh, d.set, d.where)[map_items(mesh, d)]
-            given.append((ids.tolist(), np.asarray(d.values, float).reshape(len(d.values), -1)))
+                rows = self._generated(d)
+                if rows is None:
+                    return np.zeros((len(block.ids), 9))
+            else:
+                ids, rows = ids[map_items(mesh, d)], np.asarray(d.values, float).reshape(len(d.values), -1)
+            given.append((ids.tolist(), rows))
         out = np.full((len(block.ids), max((v.shape[1] for _, v in given), default=9)), np.nan)
         for ids, rows in given:
             for i, row in zip(ids, rows, strict=True):
@@ -299,6 +303,19 @@ class Context:
                 if k is not None:
                     out[k, : len(row)] = row
         return out
+
+    def _generated(self, d: MeshData) -> np.ndarray | None:
+        """Rows of element data that the file has made, a row for each element of its set; None where it is refused."""
+        from .generated import GENERATORS
+
+        if id(d) not in self._made_data:
+            make, tags = GENERATORS.get(d.spec.type or "", (None, frozenset()))
+            if make is None:
+                self.refuse(f'element data "{d.name}" made by {d.spec.type}', d.where)
+            else:
+                self.check_tags(d.spec, tags)
+            self._made_data[id(d)] = None if make is None else make(self.model.mesh, d)
+        return self._made_data[id(d)]
 
     @cached_property
     def curves(self) -> dict[int, LoadController]:
