@@ -247,20 +247,21 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
         return _axes().direction(ctx, c, part)
     if prop.table == "curve":
         return curve(ctx, c)
-    if prop.table == "energy":
-        return _energy(ctx, c)
+    if prop.table in INVARIANTS:
+        return _energy(ctx, c, INVARIANTS[prop.table])
     if prop.table == "formula":
         return of_one(ctx, c)
     return record(ctx, c, prop.table, part)
 
 
-INVARIANTS = ("I1", "I2", "J", "X", "Y", "Z")  # what a formula of the energy may use
+# what a formula of the energy may use
+INVARIANTS = {"energy": ("I1", "I2", "J", "X", "Y", "Z"), "fiber energy": ("I1", "I2", "I4", "I5", "J")}
 
 
-def _energy(ctx: Context, c: Component) -> Any:
+def _energy(ctx: Context, c: Component, invariants: tuple[str, ...]) -> Any:
     """A strain energy: a formula of the invariants after any number of definitions, ``name = formula;``."""
     *given, last = [s.strip() for s in (c.child("math") or c).text.split(";") if s.strip()] or [""]
-    constants, names, steps = dict(ctx.model.variables), list(INVARIANTS), []
+    constants, names, steps = dict(ctx.model.variables), list(invariants), []
     for text in given:
         name, equals, body = (s.strip() for s in text.partition("="))
         if not equals or not name.isidentifier():

@@ -102,7 +102,13 @@ class FiberExpPowUncoupled(_ExpPow, UncoupledFiber):
         return np.column_stack((par, np.ones(len(par))))
 
 
+@dataclass(eq=False)
+class FiberExponentialPowerUncoupled(FiberExpPowUncoupled):
+    """The same law under its older name."""
+
+
 for _table in ("solid", "fiber"):
     register(FiberExpPow, "fiber-exp-pow", _table)
     register(FiberExpPowUncoupled, "fiber-exp-pow-uncoupled", _table)
 register(FiberExponentialPower, "fiber-exponential-power-law")
+register(FiberExponentialPowerUncoupled, "fiber-exponential-power-law-uncoupled")

@@ -1,20 +1,33 @@
-"""Isotropic solids whose energy is a formula of the file."""
+"""Isotropic and transversely isotropic solids whose energy is a formula of the file."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..points import Points
-from .base import Floats, Property
+from .base import Floats, Property, Solid
+from .fiber import directions
+from .fourth_invariant import FourthInvariant, UncoupledFourthInvariant, invariants
 from .hyperelastic import Hyperelastic, UncoupledHyperelastic, columns
 from .registry import register
+from .secant import central_tangent
 
-#: W of a dict of arrays: I1, I2, J, X, Y, Z
+#: W of a dict of arrays: I1, I2, J, X, Y, Z, or I1, I2, I4, I5, J
 Formula = Callable[[dict[str, Floats]], Floats]
 _STEP = 2e-4  # relative; sixth-order differences
+
+
+def _around(W: Formula, at: dict[str, Floats], name: str) -> tuple[Floats, dict[int, Floats]]:
+    """A step of a variable, and W up to three of them to either side."""
+    h = _STEP * np.maximum(np.abs(at[name]), 1.0)
+    return h, {k: np.asarray(W({**at, name: at[name] + k * h}), dtype=float) for k in (-3, -2, -1, 1, 2, 3)}
+
+
+def _slope(h: Floats, w: dict[int, Floats]) -> Floats:
+    return (45 * (w[1] - w[-1]) - 9 * (w[2] - w[-2]) + (w[3] - w[-3])) / (60 * h)
 
 
 def _derivatives(W: Formula, at: dict[str, Floats], names: tuple[str, ...]) -> dict[str, Floats]:
@@ -26,9 +39,8 @@ def _derivatives(W: Formula, at: dict[str, Floats], names: tuple[str, ...]) -> d
     out: dict[str, Floats] = {}
     zero = shifted()
     for a in names:
-        h = _STEP * np.maximum(np.abs(at[a]), 1.0)
-        w = {k: shifted(**{a: k * h}) for k in (-3, -2, -1, 1, 2, 3)}
-        out[a] = (45 * (w[1] - w[-1]) - 9 * (w[2] - w[-2]) + (w[3] - w[-3])) / (60 * h)
+        h, w = _around(W, at, a)
+        out[a] = _slope(h, w)
         second = 270 * (w[1] + w[-1]) - 27 * (w[2] + w[-2]) + 2 * (w[3] + w[-3]) - 490 * zero
         out[a + a] = second / (180 * h**2)
     a, b = names[:2]
@@ -77,5 +89,54 @@ class FormulaHyperelasticUncoupled(UncoupledHyperelastic):
         return self.W({"I1": I1, "I2": I2, **_places(pts)})  # type: ignore[misc]
 
 
+@dataclass(eq=False)
+class _FormulaTransIso(Solid):
+    """The fiber is a direction in global axes, as in FEBio."""
+
+    W: Formula | None = None
+    properties = {"W": Property("fiber energy"), **FourthInvariant.properties}
+
+    def inner(self, pts: Points) -> Points:
+        return replace(pts, Q=None)
+
+    def derivatives(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
+        at = self._at(pts, i)
+        names = [n for n in ("I1", "I2", "I4", "I5", "J") if n in at]
+        return tuple(_slope(*_around(self.W, at, n)) for n in names)  # type: ignore[arg-type]
+
+    def _at(self, pts: Points, i: dict[str, Floats]) -> dict[str, Floats]:
+        return i
+
+    def _tangent(self, pts: Points) -> Floats:
+        c = central_tangent(self._cauchy, pts)  # type: ignore[attr-defined]
+        return np.asarray(0.5 * (c + c.transpose(0, 2, 1)))  # rounding of differences of differences
+
+    def _value(self, pts: Points) -> Floats:
+        a0 = directions(self.fiber, self.inner(pts))  # type: ignore[attr-defined]
+        W = self.W(self._at(pts, invariants(pts, a0, self.iso)))  # type: ignore[attr-defined, misc]
+        return np.broadcast_to(W, (pts.n,))
+
+
+@dataclass(eq=False)
+class FormulaTransIso(_FormulaTransIso, FourthInvariant):
+    """W(I1, I2, I4, I5, J)."""
+
+    def _at(self, pts: Points, i: dict[str, Floats]) -> dict[str, Floats]:
+        return {**i, "J": pts.J}
+
+    def energy(self, pts: Points) -> Floats:
+        return self._value(pts)
+
+
+@dataclass(eq=False)
+class FormulaTransIsoUncoupled(_FormulaTransIso, UncoupledFourthInvariant):
+    """W~(I1~, I2~, I4~, I5~)."""
+
+    def dev_energy(self, pts: Points) -> Floats:
+        return self._value(pts)
+
+
+register(FormulaTransIso, "trans-iso hyperelastic")
+register(FormulaTransIsoUncoupled, "uncoupled trans-iso hyperelastic")
 register(FormulaHyperelastic, "hyperelastic")
 register(FormulaHyperelasticUncoupled, "uncoupled hyperelastic")

@@ -41,11 +41,14 @@ class FourthInvariant(Solid):
         fiber_stress(pts.F, pts.J, a0, self.iso, W, s)
         return s
 
+    def _tangent(self, pts: Points) -> Floats:
+        return central_tangent(self._cauchy, pts)
+
     def _add(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
         s += self._cauchy(within)
         if c is not None:
-            c += central_tangent(self._cauchy, within)
+            c += self._tangent(within)
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         self._add(pts, s, c)
@@ -73,7 +76,7 @@ class UncoupledFourthInvariant(FourthInvariant, Uncoupled):
             return
         second = self.second(within, i)
         if not second:
-            c += central_tangent(self._cauchy, within)
+            c += self._tangent(within)
             return
         H = np.empty((pts.n, 6))
         for k, w in enumerate(second):

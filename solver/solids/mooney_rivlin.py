@@ -45,4 +45,10 @@ class MooneyRivlin(Uncoupled):
         return c1 * (I1 - 3.0) + c2 * (I2 - 3.0)
 
 
+@dataclass(eq=False)
+class MooneyRivlinAD(MooneyRivlin):
+    """The same law; FEBio 4.11 itself ends in a fault where a model uses it."""
+
+
 register(MooneyRivlin, "Mooney-Rivlin")
+register(MooneyRivlinAD, "Mooney-Rivlin AD")

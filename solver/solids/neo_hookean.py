@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -46,7 +47,7 @@ class NeoHookean(Solid):
 
     E: Number = 0.0
     v: Number = 0.0
-    parameters = ("E", "v")
+    parameters: ClassVar[tuple[str, ...]] = ("E", "v")
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         add_stress(pts.F, pts.J, self.par(pts), s, wanted(c))
@@ -55,4 +56,10 @@ class NeoHookean(Solid):
         return strain_energy(pts, *shear_and_first(self.par(pts)))
 
 
+@dataclass(eq=False)
+class NeoHookeanAD(NeoHookean):
+    """The same law, which FEBio differentiates automatically."""
+
+
 register(NeoHookean, "neo-Hookean")
+register(NeoHookeanAD, "neo-Hookean AD")

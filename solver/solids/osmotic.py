@@ -88,6 +88,25 @@ class Donnan(_Osmotic):
 
 
 @dataclass(eq=False)
+class VirialExpansion(Solid):
+    """sigma = -(c1 c + c2 c^2 + c3 c^3) I, c = phiw0 cr / (J - 1 + phiw0)."""
+
+    phiw0: Number = 0.0
+    cr: Number = 0.0
+    c1: Number = 0.0
+    c2: Number = 0.0
+    c3: Number = 0.0
+    parameters = ("phiw0", "cr", "c1", "c2", "c3")
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        phi, cr, c1, c2, c3 = self.par(pts).T
+        d = pts.J - 1.0 + phi
+        x = phi * cr / d
+        slope = (c1 + 2.0 * c2 * x + 3.0 * c3 * x * x) * x / d
+        add_volumetric(pts.J, -(c1 + c2 * x + c3 * x * x) * x, slope, s, wanted(c))
+
+
+@dataclass(eq=False)
 class EllipsoidalDonnan(EllipsoidalFibers):
     """A charged matrix with ellipsoidally distributed fibers, summed over a geodesic dome as FEBio does here."""
 
@@ -111,3 +130,4 @@ register(PerfectOsmometer, "perfect osmometer")
 register(CellGrowth, "cell growth")
 register(Donnan, "Donnan equilibrium")
 register(EllipsoidalDonnan, "EFD Donnan equilibrium")
+register(VirialExpansion, "osmotic virial expansion")

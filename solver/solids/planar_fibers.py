@@ -1,4 +1,4 @@
-"""Mooney-Rivlin solids with fibers of the exp-linear law spread over a plane."""
+"""Mooney-Rivlin and Veronda-Westmann solids with fibers of the exp-linear law spread over a plane."""
 
 from __future__ import annotations
 
@@ -9,14 +9,32 @@ import numpy as np
 
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
+from . import mooney_rivlin, veronda_westmann
 from .axes import turn
-from .base import Floats, Number, Property, wanted
+from .base import Floats, Number, Property, Solid, wanted
 from .fiber import directions
 from .fiber_exp_linear import fiber_energy, tension
 from .invariants import isochoric_invariants
-from .mooney_rivlin import run
 from .registry import register
 from .uncoupled import Uncoupled
+
+
+def _circle() -> Floats:
+    """Twelve directions (12, 3) across the first axis."""
+    t = 2.0 * np.pi * np.arange(12) / 12
+    return np.stack((0.0 * t, np.cos(t), np.sin(t)), axis=1)
+
+
+def _ellipse(solid: Solid, name: str, pts: Points) -> Floats:
+    """Radii (1|n, 12) of the ellipse whose axes are a parameter."""
+    axes = solid.vector(name, pts)[:, None, :]
+    return np.asarray(((_circle()[None, :, 1:] / axes) ** 2).sum(2) ** -0.5)
+
+
+def _shares(solid: Solid, pts: Points) -> Floats:
+    """Weights (1|n, 12) that follow the ellipse of ``w``."""
+    w = _ellipse(solid, "w", pts)
+    return np.ascontiguousarray(w / w.sum(1, keepdims=True))
 
 
 @dataclass(eq=False)
@@ -36,9 +54,18 @@ class _Planar(Uncoupled):
         """Active tension to add to each fiber (1|n, m)."""
         return 0.0
 
+    def matrix(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        """Add the matrix of c1 and c2."""
+        mooney_rivlin.run(pts.F, pts.J, self.par(pts), s, wanted(c))
+
+    def matrix_energy(self, pts: Points) -> Floats:
+        I1, I2 = isochoric_invariants(pts)
+        c1, c2 = self.par(pts).T[:2]
+        return c1 * (I1 - 3) + c2 * (I2 - 3)
+
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
         par = self.par(pts)
-        run(pts.F, pts.J, par, s, wanted(c))
+        self.matrix(pts, s, c)
         A, w = self.family(pts)
         In = np.empty((pts.n, A.shape[1]))
         squared_stretch(pts.F, pts.J, A, True, In)
@@ -50,12 +77,10 @@ class _Planar(Uncoupled):
         )
 
     def dev_energy(self, pts: Points) -> Floats:
-        I1, I2 = isochoric_invariants(pts)
-        par = self.par(pts)
         A, w = self.family(pts)
         In = np.empty((pts.n, A.shape[1]))
         squared_stretch(pts.F, pts.J, A, True, In)
-        return par[:, 0] * (I1 - 3) + par[:, 1] * (I2 - 3) + (w * fiber_energy(In, par[:, 2:6])).sum(1)
+        return self.matrix_energy(pts) + (w * fiber_energy(In, self.par(pts)[:, 2:6])).sum(1)
 
 
 @dataclass(eq=False)
@@ -70,23 +95,35 @@ class PlanarFibers(_Planar):
     vectors = {"w": 2, "a": 2}
     properties = {"fiber": Property("direction", default="vector")}
 
-    @staticmethod
-    def _circle() -> Floats:
-        t = 2.0 * np.pi * np.arange(12) / 12
-        return np.stack((0.0 * t, np.cos(t), np.sin(t)), axis=1)
-
-    def _ellipse(self, name: str, pts: Points) -> Floats:
-        axes = self.vector(name, pts)[:, None, :]
-        return ((self._circle()[None, :, 1:] / axes) ** 2).sum(2) ** -0.5
-
     def family(self, pts: Points) -> tuple[Floats, Floats]:
         r = directions(self.fiber, replace(pts, Q=None))
-        A = turn(self._circle()[None], np.array([1.0, 0.0, 0.0]), r[:, None])
-        w = self._ellipse("w", pts)
-        return np.ascontiguousarray(A), np.ascontiguousarray(w / w.sum(1, keepdims=True))
+        A = turn(_circle()[None], np.array([1.0, 0.0, 0.0]), r[:, None])
+        return np.ascontiguousarray(A), _shares(self, pts)
 
     def active(self, pts: Points) -> Floats | float:
-        return self.par(pts)[:, 6, None] * self._ellipse("a", pts)
+        return self.par(pts)[:, 6, None] * _ellipse(self, "a", pts)
+
+
+@dataclass(eq=False)
+class PlanarFibersVerondaWestmann(_Planar):
+    """Twelve directions in the plane of the second and third material axis, in a Veronda-Westmann matrix."""
+
+    w: Any = (1.0, 1.0)
+    parameters = ("c1", "c2", "c3", "c4", "c5", "lam_max", "w")
+    vectors = {"w": 2}
+
+    def family(self, pts: Points) -> tuple[Floats, Floats]:
+        Q = self.inner(pts).Q
+        A = _circle()[None] if Q is None else _circle()[None] @ np.swapaxes(Q, 1, 2)
+        return np.ascontiguousarray(A), _shares(self, pts)
+
+    def matrix(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        veronda_westmann.run(pts.F, pts.J, self.par(pts), s, wanted(c))
+
+    def matrix_energy(self, pts: Points) -> Floats:
+        I1, I2 = isochoric_invariants(pts)
+        c1, c2 = self.par(pts).T[:2]
+        return c1 * np.expm1(c2 * (I1 - 3.0)) - 0.5 * c1 * c2 * (I2 - 3.0)
 
 
 @dataclass(eq=False)
@@ -125,4 +162,5 @@ class VonMisesFibers(_Planar):
 
 
 register(PlanarFibers, "2D trans iso Mooney-Rivlin")
+register(PlanarFibersVerondaWestmann, "2D trans iso Veronda-Westmann")
 register(VonMisesFibers, "Mooney-Rivlin von Mises Fibers")

@@ -61,5 +61,11 @@ class TransIsoVerondaWestmann(_WithFibers, VerondaWestmann):
     """W~ = c1 (exp[c2 (I1~ - 3)] - 1) - c1 c2 (I2~ - 3) / 2 + F(l~)."""
 
 
+@dataclass(eq=False)
+class TransIsoMooneyRivlinEstrada(TransIsoMooneyRivlin):
+    """The same, whose muscle may also shorten by a force-velocity relation."""
+
+
 register(TransIsoMooneyRivlin, "trans iso Mooney-Rivlin")
 register(TransIsoVerondaWestmann, "trans iso Veronda-Westmann")
+register(TransIsoMooneyRivlinEstrada, "trans iso MR-Estrada")

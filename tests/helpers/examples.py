@@ -34,6 +34,14 @@ def curve(x):
     return 0.5 + x
 
 
+def bell(x):
+    return np.exp(-3.0 * (x - 1.1) ** 2)
+
+
+def falling(x):
+    return np.exp(-2.0 * x)
+
+
 class Response:
     points = ((0.03, 0.05), (0.1, 0.09), (0.3, 0.12))
 
@@ -43,9 +51,28 @@ _ENG = dict(E1=1.0, E2=2.0, E3=3.0, G12=0.5, G23=0.7, G31=0.9, v12=0.2, v23=0.1,
 _CLE = dict(lp11=3.0, lp22=4.0, lp33=5.0, lm11=1.0, lm22=1.2, lm33=1.4, l12=0.3, l23=0.2, l31=0.1)
 _HISTORY = "its tangent leaves out how history changes"
 _SECANT = "its tangent is by forward differences"
+_ACTIVE = "FEBio's tangent leaves the active tension out"
 _GROWTH = "its tangent leaves out the growth of damage"
 
 SIMPLE = {
+    "lung": dict(E=2.0, v=0.3, c1=0.7, c3=0.9, d1=2.4, d3=3.0),
+    "isotropic Lee-Sacks": dict(c0=1.0, c1=0.8, c2=0.6, k=5.0),
+    "uncoupled isotropic Lee-Sacks": dict(c0=1.0, c1=0.8, c2=0.6, k=5.0),
+    "polynomial": dict(c01=0.2, c02=0.3, c10=1.0, c11=0.1, c12=0.15, c20=0.25, c21=0.05, c22=0.07, D1=4.0, D2=3.0),
+    "HGO-coronary": dict(rho=0.4, k1=1.0, k2=0.7, k=10.0, fiber=direction),
+    "neo-Hookean AD": dict(E=2.0, v=0.3),
+    "Mooney-Rivlin AD": dict(c1=1.0, c2=0.2, k=10.0),
+    "neo-Hookean transiso": dict(Ep=1.0, Ez=3.0, vz=0.2, vp=0.3, gz=0.6),
+    "trans iso MR-Estrada": dict(c1=1.0, c2=0.3, **_EXP, lam_max=1.05, k=10.0, fiber=direction),
+    "fiber-exponential-power-law-uncoupled": dict(alpha=0.4, beta=2.5, ksi=1.0, mu=0.3, k=5.0, fiber=direction),
+    "active fiber stress": dict(smax=1.5, activation=0.7, stl=bell, stv=falling),
+    "uncoupled active fiber stress": dict(smax=1.5, activation=0.7, stl=bell, k=5.0),
+    "uncoupled active contraction": dict(Tmax=1.0, ca0=2.0, camax=1.5, beta=2.0, l0=0.6, refl=1.2, k=5.0),
+    "osmotic virial expansion": dict(phiw0=0.8, cr=0.3, c1=2.0, c2=0.5, c3=0.2),
+    "2D fiber neo-Hookean": dict(E=2.0, v=0.3, a=(0.4, 0.7), active_contraction=0.8),
+    "fiber neo-Hookean": dict(E=2.0, v=0.3, a=(0.4, 0.7, 0.2), active_contraction=0.01),
+    "2D trans iso Veronda-Westmann": dict(c1=1.0, c2=0.8, **_EXP, lam_max=1.05, w=(1.0, 2.0), k=10.0),
+    "spherical fiber distribution": dict(alpha=0.5, beta=2.3, ksi=1.2),
     "neo-Hookean": dict(E=2.0, v=0.3),
     "isotropic elastic": dict(E=2.0, v=0.3),
     "St.Venant-Kirchhoff": dict(E=2.0, v=0.3),
@@ -173,6 +200,11 @@ def _w_uncoupled(v):
     return 0.4 * (v["I1"] - 3) + 0.1 * (v["I2"] - 3) + 0.3 * (v["I1"] - 3) * (v["I2"] - 3)
 
 
+def _w_fiber(x):
+    bulk = 3.0 * (x["J"] - 1.0) ** 2 - 1.2 * np.log(x["J"])
+    return 0.6 * (x["I1"] - 3.0) + 0.2 * (x["I4"] - 1.0) ** 2 * (x["I5"] - 1.0) ** 2 + bulk
+
+
 COMPOSITE = {
     "solid mixture": lambda: solid(
         "solid mixture", solid=(neo_hookean(), solid("fiber-exp-pow", beta=2.5, ksi=2.0, fiber=direction))
@@ -243,6 +275,10 @@ COMPOSITE = {
     "fiber-CDF": lambda: solid("fiber-CDF", E=2.0, cdf_=_cdf(), fiber=direction),
     "fiber-CDF-uncoupled": lambda: solid("fiber-CDF-uncoupled", E=2.0, cdf_=_cdf(), fiber=direction, k=3.0),
     "hyperelastic": lambda: solid("hyperelastic", W=_w),
+    "trans-iso hyperelastic": lambda: solid("trans-iso hyperelastic", W=_w_fiber, fiber=direction),
+    "uncoupled trans-iso hyperelastic": lambda: solid(
+        "uncoupled trans-iso hyperelastic", W=lambda x: _w_fiber({**x, "J": 1.0}), k=5.0, fiber=direction
+    ),
     "uncoupled hyperelastic": lambda: solid("uncoupled hyperelastic", W=_w_uncoupled, k=5.0),
 }
 
@@ -320,6 +356,12 @@ def example(name):
 
 #: energies that do not belong to the stress, in FEBio either, or are of dissipative laws
 NO_ENERGY_LAW = {
+    "active fiber stress": "it has no energy",
+    "uncoupled active fiber stress": "it has no energy",
+    "uncoupled active contraction": "it has no energy",
+    "osmotic virial expansion": "osmotic",
+    "2D fiber neo-Hookean": "its active tension has no energy",
+    "fiber neo-Hookean": "its active tension has no energy",
     "Yeoh": "its stress takes sum c_i (I1 - 3)^(i - 1) for the derivative of its energy",
     "Shenoy": "it has no energy",
     "remodeling solid": "its mass follows the energy",
@@ -351,6 +393,10 @@ NO_ENERGY_LAW = {
 
 #: tangents that are not the derivative of the stress
 NO_TANGENT_LAW = {
+    "active fiber stress": "FEBio's tangent takes the rate's slope for one of the stretch",
+    "uncoupled active contraction": _ACTIVE,
+    "2D fiber neo-Hookean": _ACTIVE,
+    "fiber neo-Hookean": _ACTIVE,
     "Newtonian viscous solid": _HISTORY,
     "Newtonian viscous solid uncoupled": _HISTORY,
     "viscoelastic damage": _GROWTH,
@@ -366,6 +412,12 @@ NO_TANGENT_LAW = {
 
 #: stressed in the reference configuration
 STRESSED_AT_REST = {
+    "spherical fiber distribution",  # its directions are given to eight digits
+    "active fiber stress",
+    "uncoupled active fiber stress",
+    "osmotic virial expansion",
+    "2D fiber neo-Hookean",
+    "fiber neo-Hookean",
     "compressible Gent",
     "coupled Veronda-Westmann",
     "coupled trans-iso Veronda-Westmann",
@@ -391,7 +443,7 @@ def varied(record, n, only=None, seed=7):
 
     def turned(name, v):
         v = as_value(v) if name.endswith("density_") else v
-        if isinstance(v, Constant):
+        if isinstance(v, Constant) and not name.endswith("tangent_scale"):  # which breaks the law of tangents
             data = v.number * (1.0 + 0.04 * rng.uniform(-1, 1, n))
             if v.number:
                 names.append(name)
