@@ -137,6 +137,7 @@ def registered() -> dict[str, tuple[str, ...]]:
     out = {
         name: tuple(t for t in table()[kind] if t not in fluids.get(kind, ())) for kind, name in KINDS.items()
     }
+    out["material"] = tuple(t for t in out["material"] if t not in table()["discrete_material"])
     for kind, parents in (("control tag", "analysis"), ("solver tag", "solver")):
         tags = (known for parent, known in table()[parents].items() if parent not in fluids[parents])
         out[kind] = tuple(sorted(set().union(*tags)))
