@@ -24,7 +24,8 @@ DECK = """<febio_spec version="4.0"><Module type="solid"/><Control><analysis>STA
 <Material><material id="1" name="m" {inner}</material></Material>
 <Mesh><Nodes name="N">{nodes}</Nodes><Elements type="hex8" name="p"><elem id="1">1,2,3,4,5,6,7,8</elem></Elements>{sets}
 </Mesh><MeshDomains><SolidDomain name="p" mat="m"/></MeshDomains><Boundary>{given}</Boundary>
-<LoadData><load_controller id="1" type="loadcurve"><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>
+<LoadData><load_controller id="1" type="loadcurve"><points><pt>0,0</pt><pt>1,1</pt></points></load_controller>
+</LoadData>
 </febio_spec>"""
 GIVEN = '<bc type="prescribed displacement" node_set="n{}"><dof>{}</dof><value lc="1">{:.12g}</value></bc>'
 
