@@ -190,7 +190,8 @@ TABLES: dict[str, Callable[[], Collection[str]]] = {
     "bond recruitment": _within("recruitment"), "damage distribution": _within("cdf"),
     "damage criterion": _within("criterion"), "fiber distribution": _within("distribution"),
     "fiber material": _within("fiber"), "integration scheme": _within("scheme"), "growth tensor": _within("growth"),
-    "plastic flow curve": _within("flow_curve"), "prestrain gradient": _within("prestrain"), "solid supply": _within("solid_supply"),
+    "plastic flow curve": _within("flow_curve"), "prestrain gradient": _within("prestrain"),
+    "solid supply": _within("solid_supply"),
     "plot variable": _plots,
     "optimisation method": tuple,  # files of febio_optimize are not read
     "axes": lambda: import_module("febkit.lower.axes").MAT_AXIS,
