@@ -99,7 +99,7 @@ class System:
         if records:
             from .ties import Constraints
 
-            self.constraints = Constraints(records)
+            self.constraints = Constraints(records, self.layout)
         sources: list[Bodies | Constraints] = [q for q in (self.bodies, self.constraints) if q is not None]
         if not sources:
             return None

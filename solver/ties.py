@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels import ties as kernels
-from .values import Value, as_value
+from .values import Constant, Value, as_value
 
 if TYPE_CHECKING:
     from .fields import Layout
@@ -53,23 +53,29 @@ class LinearConstraint:
 class Constraints:
     """The linear constraints of a step at work."""
 
-    def __init__(self, records: list[LinearConstraint]) -> None:
-        self.records = records
+    def __init__(self, records: list[LinearConstraint], layout: Layout) -> None:
+        own = np.array([c.node * layout.width + c.column for c in records])
+        masters = np.concatenate([c.nodes * layout.width + c.columns for c in records])
+        self._tied = own, np.array([len(c.nodes) for c in records]), masters
+        self._offsets = np.array([c.offset for c in records])
+        values = [as_value(v) for c in records for v in c.values]
+        self._weights = np.array([v.number if isinstance(v, Constant) else 0.0 for v in values])
+        self._vary = [(k, v) for k, v in enumerate(values) if not isinstance(v, Constant)]
 
     def tied(self, layout: Layout) -> tuple[Ints, Ints, Ints]:
-        own = np.array([c.node * layout.width + c.column for c in self.records])
-        masters = np.concatenate([c.nodes * layout.width + c.columns for c in self.records])
-        return own, np.array([len(c.nodes) for c in self.records]), masters
+        return self._tied
 
     def weights(self, s: State, alpha: float) -> Floats:
-        return np.array([float(as_value(v)(s.time, s.X[:1])[0]) for c in self.records for v in c.values])
+        for k, v in self._vary:
+            self._weights[k] = v(s.time, s.X[:1])[0]
+        return self._weights
 
     def enforce(self, s: State) -> None:
         """Move the tied unknowns."""
-        own, count, masters = self.tied(s.layout)
+        own, count, masters = self._tied
         d = s.d.reshape(-1)
         first = np.concatenate([[0], np.cumsum(count)[:-1]])
-        d[own] = np.add.reduceat(self.weights(s, 1.0) * d[masters], first) + [c.offset for c in self.records]
+        d[own] = np.add.reduceat(self.weights(s, 1.0) * d[masters], first) + self._offsets
 
 
 class Ties:

@@ -161,6 +161,10 @@ def _step(ctx: Context, spec: ModelStep) -> Step:
         raise InputError("a <step> has no <Control>", spec.where)
     control.step(ctx, spec.control, out)
     _fill(ctx, out, spec)
+    if control.mixed(ctx, spec.control):
+        from . import midnodes
+
+        out.constraints += midnodes.constraints(ctx)
     return out
 
 

@@ -145,6 +145,17 @@ def _curve(ctx: Context, leaf: Component, number: int, a: AutoStep, out: Step) -
                          f"than {SMALLEST:g} of the end time", leaf.where)  # fmt: skip
 
 
+def mixed(ctx: Context, c: Component) -> bool:
+    """Are pressures of a lower order than displacements (<mixed_formulation>)?"""
+    solver = c.child("solver")
+    if solver is None or solver.child("mixed_formulation") is None:
+        return False
+    asked = solver.int("mixed_formulation") == 1
+    if asked and ctx.model.module != "biphasic":
+        ctx.refuse(f'<mixed_formulation> in a "{ctx.model.module}" model', solver.need("mixed_formulation").where)
+    return asked
+
+
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     o = NewtonOptions()  # BFGS in all modules: FEBio 4.11 names Broyden for mixtures, and takes BFGS all the same
     if c is None:
@@ -152,7 +163,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     ctx.check_tags(c, SOLVER)
     if c.type not in (None, "solid", "biphasic", "solute", "multiphasic"):
         ctx.refuse(f'<solver type="{c.type}">', c.where)
-    for tag in ("arc_length", "logSolve", "mixed_formulation"):
+    for tag in ("arc_length", "logSolve"):
         leaf = c.child(tag)
         if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none", "false"):
             ctx.refuse(f"<{tag}>", leaf.where)

@@ -111,13 +111,14 @@ def condition(ctx: Context, out: Step, c: Component) -> None:
 
 def check(ctx: Context, steps: list[tuple[Step, Step]]) -> None:
     """No unknown that depends on others may have others depend on it; nor may it be a rigid body's."""
+    moved = ctx.layout.displacement.tolist()
     for common, step in steps:
         records = [*common.constraints, *step.constraints]
         tied = {(r.node, r.column) for r in records}
-        carried = {int(n) for s in (common, step) for a in s.attached for n in a.nodes}
+        carried = {(int(n), k) for s in (common, step) for a in s.attached for n in a.nodes for k in moved}
         for r in records:
             ends = set(zip(r.nodes.tolist(), r.columns.tolist()))
-            if ends & tied or {n for n, _ in {*ends, (r.node, r.column)}} & carried:
+            if ends & tied or {*ends, (r.node, r.column)} & carried:
                 label = ctx.model.mesh.node_ids[r.node] if r.node < len(ctx.model.mesh.X) else "at the back of a shell"
                 ctx.refuse(f"a linear constraint (of node {label}) of unknowns that depend on others themselves")
 
