@@ -111,9 +111,10 @@ def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:
     without an energy."""
     three = any(b.physics.name == "three-field" and not b.element.startswith("shell_") for b in blocks)
     for s, spec in zip(steps, ctx.model.steps):
-        if s.analysis == DYNAMIC and s.newton.between and any(b.physics.name == "ut4" for b in blocks):
+        late = [b for b in blocks if b.physics.name in ("ut4", "assumed strain")]
+        if s.analysis == DYNAMIC and s.newton.between and late:
             where = spec.control.where if spec.control else None
-            ctx.refuse("forces within the step (<rhoi>, <alpha>) of ut4-solid", where)
+            ctx.refuse(f"forces within the step (<rhoi>, <alpha>) of part {late[0].name!r}", where)
         if s.analysis == DYNAMIC and s.newton.rho_inf == 1 and three:
             ctx.refuse("<rhoi>1</rhoi> with three-field elements", spec.control.where if spec.control else None)
         elif s.analysis == DYNAMIC and s.newton.rho_inf == 1:

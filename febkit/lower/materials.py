@@ -97,8 +97,8 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
         solid.mat_axis = _axes().mat_axis(ctx, own, d.block)
     if d.kind == "solid":
         _formulation(ctx, d, block, mixture is not None)
-    elif mixture is None and solid.uncoupled and shells.three_field(d, mesh.type):
-        block.physics = physics.load("three-field")()
+    elif mixture is None and not shells.assumed(ctx, d, block) and solid.uncoupled and shells.three_field(d, mesh.type):
+        block.physics = physics.load("three-field")(_augment(d.spec))
     return block
 
 

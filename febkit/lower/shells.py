@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from febkit.model import Component, Domain, InputError
-from febkit.solver import elements
+from febkit.solver import elements, physics
 from febkit.solver.problem import Block
 
 from .context import Context
 
 #: formulations of <ShellDomain type=> by the material's type; where none is said it is FEBio's choice
 MIXTURES = {m: (f"{m}-shell",) for m in ("biphasic", "biphasic-solute", "multiphasic")}
-ELASTIC = ("elastic-shell", "three-field-shell")
+ELASTIC = ("elastic-shell", "three-field-shell", "elastic-shell-eas", "elastic-shell-ans")
+AUGMENTED = frozenset({"laugon", "atol", "minaug", "maxaug"})
 OPTIONS = frozenset({"shell_thickness", "shell_normal_nodal", "secant_stress", "secant_tangent",
                      "secant_permeability_tangent", "elem_type"})  # fmt: skip
 
@@ -28,11 +29,24 @@ def check(ctx: Context, d: Domain, material: str) -> bool:
     if d.type and d.type not in (MIXTURES.get(material) or ELASTIC):
         ctx.refuse(f'<ShellDomain type="{d.type}"> of a {material} material', d.where)
     if d.spec is not None:
-        ctx.check_tags(d.spec, OPTIONS)
+        ctx.check_tags(d.spec, OPTIONS | AUGMENTED if d.type == "three-field-shell" else OPTIONS)
         leaf = d.spec.child("shell_normal_nodal")
         if leaf is not None and not leaf.as_bool():
             ctx.refuse("<shell_normal_nodal>0</shell_normal_nodal> (directors per element)", leaf.where)
     return len(ctx.refused) == before
+
+
+def assumed(ctx: Context, d: Domain, block: Block) -> bool:
+    """Give a block the physics of assumed strains where its domain asks for it."""
+    what = f'<ShellDomain type="{d.type}">'
+    if d.type not in ("elastic-shell-eas", "elastic-shell-ans"):
+        return False
+    if block.element != "quad4":
+        ctx.refuse(f"{what} of {block.element}", d.where)
+    if any(q.history for q in block.solid.walk()):
+        ctx.refuse(f"{what} of a material with a memory", d.where)
+    block.physics = physics.load("assumed strain")(d.type == "elastic-shell-eas")
+    return True
 
 
 def three_field(d: Domain, facet: str) -> bool:

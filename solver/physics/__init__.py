@@ -14,6 +14,7 @@ FILES = {
     "biphasic": "biphasic",
     "multiphasic": "multiphasic",
     "three-field": "three_field",
+    "assumed strain": "assumed_strain",
     "ut4": "nodal_tets",
     "beam": "beam",
     "linear truss": "truss",
