@@ -28,14 +28,16 @@ Ints = NDArray[np.int64]
 class Following(Prescribed):
     """``surface``: facets, each patch with the block and element (f, 2) behind its facets.
 
-    The value at a node is the mean over the facets around it of what :meth:`at_corners` gives.
+    The value at a node is the mean over the facets around it of what :meth:`at_corners` gives. ``last`` (n,): what it
+    was when last asked for, and stays until a step's first iterate; as in FEBio, a step that failed leaves its own.
     """
 
     follows: ClassVar[bool] = True
     surface: tuple[tuple[Patch, Ints], ...] = field(default=(), kw_only=True)
+    last: Floats | None = field(default=None, init=False, repr=False)
 
     def begin(self, groups: list[Group]) -> None:
-        self._groups = groups
+        self._groups, self.last = groups, None
 
     def values(self, state: State) -> Floats:
         """Values at ``nodes`` at the present iterate."""
@@ -47,7 +49,8 @@ class Following(Prescribed):
                 v = self.at_corners(state, patch, rows, self._groups[int(block)], owner[rows, 1])
                 np.add.at(total, conn, np.broadcast_to(v, conn.shape))
                 np.add.at(count, conn, 1.0)
-        return np.asarray(total[self.nodes] / count[self.nodes])
+        self.last = np.asarray(total[self.nodes] / count[self.nodes])
+        return self.last
 
     def at_corners(self, state: State, patch: Patch, rows: Ints, group: Group, elements: Ints) -> Floats:
         """Values (f, n|1) at the corners of the facets ``rows``, behind which are ``elements`` of a group."""

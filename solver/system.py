@@ -193,8 +193,9 @@ class System:
         """Values (node, column) that prescribed unknowns take at time t; NaN elsewhere."""
         out = np.full(self.state.d.shape, np.nan)
         for c, start in zip(self.conditions, self._start):
-            if isinstance(c, Prescribed) and c.follows:  # it stays until the first iterate
-                out[c.nodes, c.column] = self.state.d[c.nodes, c.column]
+            if isinstance(c, Prescribed) and c.follows:
+                last = cast("Following", c).last
+                out[c.nodes, c.column] = self.state.d[c.nodes, c.column] if last is None else last
             elif isinstance(c, Prescribed):
                 v = c.value(t, self.state.X[c.nodes], np.arange(len(c.nodes)))
                 out[c.nodes, c.column] = v if start is None else v + start

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class SoluteNaturalFlux(SurfaceLoad):
     """dt int N ca w . da over facets, less dt int N grad c . n dv over the elements behind them.
 
-    ca and w: means over the element of the actual concentration and the fluid flux; n: mean normal of the facet. The
-    tangent has the change of ca by the concentrations, which FEBio 4.11 leaves out: its iterations slow down with w.
+    ca and w: means over the element of the actual concentration and the fluid flux; n: mean normal of the facet. As in
+    FEBio 4.11 the tangent leaves out how they change: its iterations slow down with w.
     ``owner``: for each patch the block and element (f, 2) behind its facets. FEBio User Manual, "Solute Natural Flux".
     """
 
@@ -54,18 +54,16 @@ class SoluteNaturalFlux(SurfaceLoad):
             rows = np.flatnonzero(owner[:, 0] == block)
             yield self._groups[int(block)], rows, owner[rows, 1]
 
-    def _fluxes(self, p: Patch, owner: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
-        """Normal fluxes of solute and fluid at the points of a patch (f g,), and mean normals of its facets (f, 3)."""
+    def _fluxes(self, p: Patch, owner: Ints, x: Floats) -> tuple[Floats, Floats]:
+        """Normal fluxes of the solute at the points of a patch (f g,), and mean normals of its facets (f, 3)."""
         t = np.einsum("gaj,fai->fgji", p.element.dN, x[p.conn])
         n = np.cross(t[:, :, 0], t[:, :, 1])
-        q, v = np.empty(n.shape[:2]), np.empty(n.shape[:2])
+        q = np.empty(n.shape[:2])
         for g, rows, e in self._behind(owner):
-            w, c, _ = g.physics.carried(e, self.field)
             unit = n[rows] / np.linalg.norm(n[rows], axis=2, keepdims=True)
-            v[rows] = np.einsum("fi,fgi->fg", w, unit)
-            q[rows] = c[:, None] * v[rows]
+            q[rows] = np.einsum("fi,fgi->fg", g.physics.carried(e, self.field), unit)
         mean = n.sum(axis=1)
-        return q.ravel(), v.ravel(), mean / np.linalg.norm(mean, axis=1, keepdims=True)
+        return q.ravel(), mean / np.linalg.norm(mean, axis=1, keepdims=True)
 
     def _inside(self, g: Group, e: Ints, normal: Floats, c: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Of elements e at their points: weights (k, g), gradients of N (k, g, 3, n), along the normal, and of c."""
@@ -78,7 +76,7 @@ class SoluteNaturalFlux(SurfaceLoad):
         x, c = self.positions(state), state.layout.scalar(state.d, self.field)
         rows_c = state.layout.scalar(R, self.field)
         for p, owner in zip(self.surface, self.owner, strict=True):
-            q, _, normal = self._fluxes(p, owner, x)
+            q, normal = self._fluxes(p, owner, x)
             f = np.zeros(p.conn.shape)
             flow(x, state.velocity, *p.geometry, q, False, f)
             add_scalars(p.conn, state.dt * f, rows_c)
@@ -90,16 +88,12 @@ class SoluteNaturalFlux(SurfaceLoad):
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         x, c, out = self.positions(state), state.layout.scalar(state.d, self.field), []
         for p, owner in zip(self.surface, self.owner, strict=True):
-            q, v, normal = self._fluxes(p, owner, x)
+            q, normal = self._fluxes(p, owner, x)
             K, nodes, columns = self.matrices(state, p, self.field)
             flow_stiffness(x, state.velocity, *p.geometry, q, False, True, state.dt, K)
             out.append((K, nodes, columns))
-            f = np.zeros(p.conn.shape)  # fluid that leaves by the nodes
-            flow(x, state.velocity, *p.geometry, v, False, f)
             for g, rows, e in self._behind(owner):
-                K, nodes, columns = self._element(state, g, e, normal[rows], c)
-                self._carried(K, g, e, p.conn[rows], -state.dt * f[rows])
-                out.append((K, nodes, columns))
+                out.append(self._element(state, g, e, normal[rows], c))
         return out
 
     def _element(self, state: State, g: Group, e: Ints, normal: Floats, c: Floats) -> tuple[Floats, Ints, Ints]:
@@ -114,14 +108,6 @@ class SoluteNaturalFlux(SurfaceLoad):
             rows[:, :, i * n : (i + 1) * n] = dt * np.einsum("kg,gn,kgm->knm", w, g.N, moved[:, :, i])
         own = np.concatenate([state.layout.displacement, state.layout.columns(self.field)])
         return K, np.tile(g.conn[e].astype(np.int64), (1, 4)), np.repeat(own, n)
-
-
-    def _carried(self, K: Floats, g: Group, e: Ints, facet: Ints, f: Floats) -> None:
-        """Add what the concentrations of elements change of the flux f (k, nodes of the facet) that they give."""
-        by_c = g.physics.carried(e, self.field)[2]
-        place = (g.conn[e][:, None] == facet[:, :, None]).argmax(axis=2)
-        k = np.arange(len(e))[:, None]
-        K[k, 3 * g.n + place, 3 * g.n :] += f[:, :, None] * by_c[:, None]
 
 
 register(SoluteNaturalFlux, "solute natural flux")

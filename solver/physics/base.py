@@ -167,9 +167,8 @@ class Work:
         concentrations; None where nothing is dissolved."""
         return None
 
-    def carried(self, e: NDArray[np.int64], field: str) -> tuple[Floats, Floats, Floats]:
-        """Means over elements e: fluid flux (k, 3), actual concentration (k,) of the solute of a nodal field, and the
-        latter's derivatives by the field at the nodes (k, n), partition coefficients held."""
+    def carried(self, e: NDArray[np.int64], field: str) -> Floats:
+        """Mean fluid flux over elements e times the mean actual concentration of the solute of a nodal field (k, 3)."""
         raise NotImplementedError
 
     def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats | None:

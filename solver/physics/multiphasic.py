@@ -177,10 +177,10 @@ class MultiphasicWork(StandardWork):
         means = mix.RT * self._points(phi)[e].mean(axis=1), self._points(self.at.kappa)[e].mean(axis=1)
         return *means, self.scalars[1:]
 
-    def carried(self, e: NDArray[np.int64], field: str) -> tuple[Floats, Floats, Floats]:
+    def carried(self, e: NDArray[np.int64], field: str) -> Floats:
         i = [concentration(s.index + 1).name for s in self.mix.solutes].index(field)
-        w, ca, kappa = (self._points(q)[e] for q in (self.at.w, self.at.ca[:, i], self.at.kappa[:, i]))
-        return w.mean(axis=1), ca.mean(axis=1), kappa @ self.group.N / self.group.g
+        w, ca = (self._points(q)[e].mean(axis=1) for q in (self.at.w, self.at.ca[:, i]))
+        return np.asarray(ca[:, None] * w)
 
     def mixture_tangent(self, e: NDArray[np.int64], state: State) -> Floats:
         g, q = self.group, e * self.group.g
