@@ -335,14 +335,7 @@ class System:
             total += R
         if self.layout.moves:
             s.reaction = -self.layout.u(total)
-        for load in self.loads:
-            load.residual(s, total)
-        for load in self.body_loads:
-            load.residual(s, self.carriers, total)
-        for contact in self.contacts:
-            contact.residual(s, total)
-        if self.dynamic:
-            self._inertia(total)
+        self.add_external(total)
         if self.ties is not None:
             self.ties.gather(s, total, self.alphaf)
         self.finite = whole(total)  # forces at held and prescribed unknowns too, which no norm sees
@@ -351,6 +344,18 @@ class System:
         if self.dry is not None:
             out[self.dry] = 0.0
         return out
+
+    def add_external(self, total: Floats) -> None:
+        """Add the forces of all but the stresses: loads, contacts, inertia."""
+        s = self.state
+        for load in self.loads:
+            load.residual(s, total)
+        for load in self.body_loads:
+            load.residual(s, self.carriers, total)
+        for contact in self.contacts:
+            contact.residual(s, total)
+        if self.dynamic:
+            self._inertia(total)
 
     def _inertia(self, total: Floats) -> None:
         s = self.state

@@ -59,9 +59,9 @@ class Results:
         return rows[:1]
 
     def reaction(self, name: str) -> xr.DataArray:
-        """(time, xyz) sum of the reaction forces over a node set or surface, or the force on a rigid part.
+        """(time, xyz) force that supports put on a node set or surface, or the force on a rigid part.
 
-        Signs are the plotfile's. Raises InputError where it has no reaction forces.
+        It is minus the sum of the plotfile's reaction forces. Raises InputError where it has none.
         """
         ds = self._ds
         from .mesh import texts
@@ -72,7 +72,7 @@ class Results:
         if _REACTION not in ds:
             raise InputError('the result has no reaction forces: add <var type="reaction forces"/> to its plotfile')
         rows = subsets.node_set(ds, name)
-        out = ds[_REACTION].isel(node=rows).astype(float).sum("node")
+        out = -ds[_REACTION].isel(node=rows).astype(float).sum("node")
         return out.assign_attrs(ds[_REACTION].attrs | {"long_name": f"reaction force of {name}"})
 
     def principal(self, variable: str) -> xr.DataArray:

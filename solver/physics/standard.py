@@ -121,16 +121,7 @@ class StandardWork(Work):
     def dilate(self, lo: int, hi: int, bulk: Floats, K: Floats) -> None:
         """Add what element-mean pressures add to the matrices K of elements lo:hi."""
 
-    outputs = {"stress": lambda w: w.s, "solid stress": lambda w: w.s, "strain energy density": lambda w: w.energy()}
-
-    def energy(self) -> Floats | None:
-        """Strain energy per reference volume (m, g); None where the law gives none."""
-        g = self.group
-        try:
-            W = g.block.solid.energy(g.points())
-        except NotImplementedError:
-            return None
-        return np.broadcast_to(W, (g.m * g.g,)).reshape(g.m, g.g)
+    outputs = {"stress": lambda w: w.s, "solid stress": lambda w: w.s}
 
 
 @dataclass(eq=False)

@@ -107,14 +107,6 @@ class ThreeFieldWork(StandardWork):
             self.Lk[:] = new
         return converged
 
-    def energy(self) -> Floats | None:
-        g = self.group
-        if super().energy() is None:
-            return None
-        pts = g.points()
-        W = self.law.dev_energy(pts) + self.law.volumetric(np.repeat(self.eJ, g.g), pts)
-        return np.broadcast_to(W, (g.m * g.g,)).reshape(g.m, g.g)
-
 
 @dataclass(eq=False)
 class ThreeField(Standard):

@@ -97,7 +97,7 @@ def test_a_plug_relaxes_to_the_stress_of_its_solid(solved: tuple[Path, dict[str,
 def test_a_block_of_arrays(here: Path) -> None:
     there = run("plug_numpy")
     stress = plane(0.6, 0.1, 0.05)
-    force = there["result"].dataset["reaction_forces"].values[-1, there["X"][:, 2] == 1, 2].sum()
+    force = -there["result"].dataset["reaction_forces"].values[-1, there["X"][:, 2] == 1, 2].sum()
     assert there["result"].converged and force == pytest.approx(stress, rel=1e-3)
 
 

@@ -69,7 +69,7 @@ def test_a_plot_variable_is_there_or_has_a_reason(name: str) -> None:
 
 def _item(name: str) -> bool:
     tables = (elements.datum, bodies.datum, connectors.datum)
-    nodal = (name[-1] in "xyz" and name[:-1] in nodes.VECTORS) or name in nodes.ALIASES
+    nodal = (name[-1] in "xyz" and name[:-1] in nodes.VECTORS) or name in {*nodes.ALIASES, *nodes.REACTIONS}
     return nodal or any(f(name) for f in tables) or name in faces.ITEMS or name in surfaces.ITEMS
 
 

@@ -29,9 +29,9 @@ FILES: dict[str, tuple[str, ...]] = {
         "Drucker-Prager stress", "Deshpande-Fleck stress",
     ),
     "energies": (
-        "density", "specific strain energy", "deviatoric strain energy density", "mixture strain energy density",
-        "mixture deviatoric strain energy density", "mixture specific strain energy", "element strain energy",
-        "current element strain energy", "element stress power",
+        "density", "strain energy density", "specific strain energy", "deviatoric strain energy density",
+        "mixture strain energy density", "mixture deviatoric strain energy density", "mixture specific strain energy",
+        "element strain energy", "current element strain energy", "element stress power",
     ),
     "motion": (
         "velocity", "acceleration", "kinetic energy density", "element kinetic energy",

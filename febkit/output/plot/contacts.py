@@ -39,15 +39,13 @@ def sides(face: Face, name: str = "") -> tuple[Contact, Side] | None:
 
 
 def at_points(face: Face, what: str, name: str = "") -> tuple[Side, Floats] | None:
-    """The "gap", "pressure" or "traction" at the points of a side, zero where it does not act; None: no such thing."""
+    """The "gap", "pressure" or "traction" at the points of a side, zero where it does not act or has none."""
     found = sides(face, name)
     if found is None:
         return None
     contact, side = found
-    if side not in contact.passes:
-        return side, np.zeros((side.n, 3) if what in VECTORS else side.n)
-    v = contact.values(side, what, face.state)
-    return None if v is None else (side, v)
+    v = contact.values(side, what, face.state) if side in contact.passes else None
+    return side, np.zeros((side.n, 3) if what in VECTORS else side.n) if v is None else v
 
 
 def facets(what: str) -> Give:
@@ -76,9 +74,7 @@ def nodes(what: str) -> Give:
 
     def give(face: Face) -> Floats | None:
         found = at_points(face, what)
-        if found is None:
-            return None
-        return around(face, *found) if _slides_on_fluid(found[0]) else to_nodes(face, *found)
+        return None if found is None else to_nodes(face, *found)
 
     return give
 
@@ -88,7 +84,7 @@ def _slides_on_fluid(side: Side) -> bool:
 
 
 def around(face: Face, side: Side, v: Floats) -> Floats:
-    """Of sliding contacts with fluid: at a node the mean over the facets around that bear a pressure."""
+    """At a node the mean over the facets around that bear a pressure."""
     pressure = at_points(face, "pressure")
     assert pressure is not None
     w, means = side.surface, side.surface.means(v, side.nodal)
@@ -105,7 +101,10 @@ def around(face: Face, side: Side, v: Floats) -> Floats:
 
 
 def nodal_traction(face: Face) -> Floats | None:
-    """Tractions at the nodes of facets; of facets on facets those on the surface itself, unlike the means."""
+    """Tractions at the nodes of facets; of facets on facets those on the surface itself, unlike the means.
+
+    FEBio has means over facets in sliding contacts with fluid, and values of the points in others.
+    """
     found, contact = at_points(face, "traction"), sides(face)
     if found is None or contact is None:
         return None
@@ -164,13 +163,14 @@ def status(face: Face) -> Floats | None:
 
 
 def penalty(face: Face) -> Floats | None:
-    """What the penalty of a sliding contact multiplies: moduli of automatic penalties, else 1."""
+    """What the penalty of a sliding contact multiplies: moduli of automatic penalties, else 1; not beside fluid."""
     found = sides(face)
     if found is None or isinstance(found[0], NodeOnFacet):
         return None
     contact, side = found
-    kinds = (FacetOnFacet, SlidingElastic)
-    return side.surface.means(side.modulus, side.nodal) if isinstance(contact, kinds) else None
+    if not isinstance(contact, (FacetOnFacet, SlidingElastic)) or _slides_on_fluid(side):
+        return None
+    return side.surface.means(side.modulus, side.nodal)
 
 
 def areas(side: Side, x: Floats) -> Floats:
@@ -187,17 +187,18 @@ def pressed(face: Face, side: Side, v: Floats) -> Floats:
 
 
 def area(face: Face) -> Floats | None:
-    """Present area of the points that bear something (,)."""
-    found = at_points(face, "pressure")
-    if found is None:
-        found = at_points(face, "traction")
-    if found is None:
+    """Present area of the points that bear something (,); of tied nodes zero, as in FEBio."""
+    acting = sides(face)
+    if acting is None:
         return None
+    tied = isinstance(acting[0], (TiedElastic, TiedNode))
+    found = at_points(face, "traction" if tied else "pressure")
+    assert found is not None
     side, v = found
     size = np.linalg.norm(areas(side, face.state.x), axis=1)
     if v.ndim > 1:
         bears = np.linalg.norm(v, axis=1) != 0.0
-        return np.array(size[bears].sum()) if not side.nodal else None
+        return np.array(0.0 if side.nodal else size[bears].sum())
     return np.array(size[pressed(face, side, v) > 0.0].sum())
 
 
@@ -248,7 +249,7 @@ def of_fluid(face: Face) -> Floats | None:
 def supports(face: Face) -> tuple[Side, Floats] | None:
     """Fluid's share p / p_contact of the pressure at the points of sliding contacts, at most 1."""
     found = at_points(face, "pressure")
-    if found is None or getattr(found[0], "passages", None) is None or found[1].ndim > 1:
+    if found is None or getattr(found[0], "passages", None) is None:
         return None
     side, pn = found
     w, p = side.surface, face.state.layout.scalar(face.state.d, PRESSURE.name)

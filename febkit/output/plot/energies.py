@@ -20,9 +20,10 @@ def density(part: Part) -> Floats:
     return reference_density(part) / part.g.J
 
 
+@shared
 def energy(part: Part) -> Floats | None:
-    """Strain energy."""
-    return part.at_points("strain energy density")
+    """Strain energy; of three-field elements by the points' own J, as FEBio has it."""
+    return _shaped(part, laws.energy(part.g.block.solid, part.points()))
 
 
 def specific(part: Part) -> Floats | None:
@@ -79,6 +80,7 @@ def end_energy(part: Part) -> Floats | None:
 
 
 register("density", mean(density))
+register("strain energy density", mean(of_solids(energy)))
 register("specific strain energy", mean(specific))
 register("deviatoric strain energy density", mean(of_solids(distortional)))
 register("mixture strain energy density", mean(of_solids(of_component)), more=True)

@@ -5,6 +5,7 @@ mesh_data['map']. What is stored, and how, depends on the name.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,8 +36,9 @@ def storage(known: PlotVariable, more: tuple[str, ...], model: Model) -> PlotVar
     found = _map(model, name)
     if found is None or found.values is None:
         return None
-    kind = {"scalar": "float", "vec3": "vec3f", "mat3": "mat3f"}[found.spec.attrs.get("datatype", "scalar")]
-    return replace(known, section="domain", type=kind, format="item" if _flat(found) else "mult")
+    attrs = found.spec.attrs
+    kind = {"scalar": "float", "vec3": "vec3f", "mat3": "mat3f"}[attrs.get("datatype", "scalar")]
+    return replace(known, section="domain", type=kind, format="item" if _flat(attrs) else "mult")
 
 
 # ---- fields -------------------------------------------------------------------------------------------
@@ -86,15 +88,13 @@ def _map(model: Model, name: str) -> MeshData | None:
     return next((d for d in model.mesh_data if d.kind == "element" and d.name == name), None)
 
 
-def _flat(data: MeshData) -> bool:
-    """One value an element, not one at each of its nodes."""
-    assert data.values is not None
-    each = {"scalar": 1, "vec3": 3, "mat3": 9}[data.spec.attrs.get("datatype", "scalar")]
-    return data.values.shape[1] == each
+def _flat(attrs: Mapping[str, str]) -> bool:
+    """One value an element, not one at each of its nodes: tensors, and what the file says to be such."""
+    return attrs.get("datatype") == "mat3" or attrs.get("format", "").upper() == "ITEM"
 
 
 def mesh_data(part: Part, name: str = "") -> Floats | None:
-    """Element data given by the model: (m, ...), or (m, n, ...) where it has values at nodes."""
+    """Element data of the model at the nodes of elements (m, n, component), or (m, component) where they are flat."""
     from febkit.model.sets import element_ids
 
     data = _map(part.view.model, name)
@@ -105,7 +105,11 @@ def mesh_data(part: Part, name: str = "") -> Floats | None:
     mine = [row.get(int(i), -1) for i in part.mesh.element_ids]
     if max(mine, default=-1) < 0:
         return None
-    return np.where((np.array(mine) >= 0)[:, None], data.values[mine], 0.0)
+    v = np.where((np.array(mine) >= 0)[:, None], data.values[mine], 0.0)
+    if _flat(data.spec.attrs):
+        return v
+    each = 3 if data.spec.attrs.get("datatype") == "vec3" else 1
+    return np.broadcast_to(v.reshape(len(v), -1, each), (len(v), part.mesh.conn.shape[1], each))
 
 
 register("field", field, more=True)

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from febkit.solver.loads.rigid import RigidFollowerForce, RigidFollowerMoment, RigidLoad
+from febkit.solver.loads.rigid import RigidFollowerForce, RigidFollowerMoment
 from febkit.solver.rigid import rotation
 from febkit.solver.rigid.connectors import Connectors
 
 from .base import Floats, Part, View, register, shared
+from .nodes import unbalanced
 
 
 class Body:
@@ -110,37 +111,19 @@ def reactions(view: View) -> Floats:
     out = np.zeros((len(bodies.bodies) if bodies is not None else 0, 6))
     if system is None or bodies is None:
         return out
-    R = np.zeros_like(s.d)
-    s.layout.u(R)[...] = -s.reaction
-    own: list[Any] = []
-    for load in system.loads:
-        if isinstance(load, (RigidLoad, Connectors)):
-            own.append(load)
-        else:
-            load.residual(s, R)
-    for body_load in system.body_loads:
-        body_load.residual(s, system.carriers, R)
-    for contact in system.contacts:
-        kept_as_it_is = contact.snapshot()
-        contact.residual(s, R)
-        contact.restore(kept_as_it_is)
-    f = s.layout.u(R)
-    if system.dynamic:
-        a = system.alpham * s.acceleration + (1 - system.alpham) * s.acceleration_old
-        f -= system.mass @ a
+    R, f = np.zeros_like(s.d), unbalanced(view)
     x = s.X + system.alphaf * s.u + (1 - system.alphaf) * s.u_old
     for i, row in enumerate(bodies.rows):
         carried = np.flatnonzero(bodies.owner == row)
         out[i, :3] -= f[carried].sum(axis=0)
         out[i, 3:] -= np.cross(x[carried] - x[row], f[carried]).sum(axis=0)
-    for load in own:
-        R[...] = 0.0
-        load.residual(s, R)
-        both = np.hstack([f[bodies.rows], f[bodies.rows + 1]])
-        if isinstance(load, Connectors):
-            out -= both
-        elif isinstance(load, (RigidFollowerForce, RigidFollowerMoment)):
-            out += both
+    for load in system.loads:
+        follows = isinstance(load, (RigidFollowerForce, RigidFollowerMoment))
+        if follows or isinstance(load, Connectors):
+            R[...] = 0.0
+            load.residual(s, R)
+            both = np.hstack([s.layout.u(R)[bodies.rows], s.layout.u(R)[bodies.rows + 1]])
+            out += both if follows else -both
     return out
 
 

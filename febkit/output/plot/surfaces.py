@@ -15,6 +15,7 @@ from febkit.solver.elements.base import Element
 from febkit.solver.fields import PRESSURE
 
 from .base import FULL, Face, Floats, Part, kept, register
+from .nodes import reactions
 
 Facet = Callable[[Element, Floats], Floats]
 
@@ -50,12 +51,12 @@ def facets(face: Face, value: Facet, reference: bool = False) -> Floats:
 
 def reaction(face: Face) -> Floats:
     """Sum of the reactions of the nodes (3,)."""
-    return face.state.reaction[face.nodes].sum(axis=0)
+    return reactions(face.view)[face.nodes].sum(axis=0)
 
 
 def moment(face: Face) -> Floats:
     """Moment of the reactions about the origin (3,)."""
-    return np.cross(face.state.x[face.nodes], face.state.reaction[face.nodes]).sum(axis=0)
+    return np.cross(face.state.x[face.nodes], reactions(face.view)[face.nodes]).sum(axis=0)
 
 
 # ---- by the elements behind ---------------------------------------------------------------------------
@@ -138,13 +139,14 @@ def fluid_force(face: Face, pressure: Floats) -> Floats:
 
 
 def recovered_fluid_force(face: Face) -> Floats | None:
-    """As above, the pressure at nodes being the mean of what the elements of the part behind extrapolate to."""
+    """As above, the pressure at nodes being the mean of those of the elements around, of the part behind."""
     found = next((b for behind in face.behind for b in behind if b is not None), None)
     if found is None or PRESSURE.name not in found[0].g.fields:
         return None
-    at, g = nodal(found[0], "fluid pressure"), found[0].g
-    count = np.bincount(g.conn.ravel(), minlength=len(face.state.X))
-    total = np.bincount(g.conn.ravel(), np.asarray(at).ravel(), len(face.state.X))
+    at, conn = found[0].at_points("fluid pressure"), found[0].g.conn
+    assert at is not None
+    count = np.bincount(conn.ravel(), minlength=len(face.state.X))
+    total = np.bincount(conn.ravel(), np.repeat(at.mean(axis=1), conn.shape[1]), len(face.state.X))
     return fluid_force(face, total / np.maximum(count, 1))
 
 

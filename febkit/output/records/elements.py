@@ -47,7 +47,6 @@ COMPONENTS: dict[str, tuple[str, int]] = {
     **{f"w{c}": ("fluid flux", k) for k, c in enumerate("xyz")},
     "J": ("relative volume", 0),
     "p": ("fluid pressure", 0),
-    "sed": ("strain energy density", 0),
     "devsed": ("deviatoric strain energy density", 0),
     "porosity": ("porosity", 0),
     **{f"Kp{c}": ("permeability", k) for c, k in DOUBLE.items()},
@@ -91,8 +90,7 @@ def over(view: View, of_part: Callable[[Part], Floats | None]) -> Floats:
 def datum(name: str) -> Callable[[Part], Floats | None] | None:
     """What gives a datum of a part's elements (m,)."""
     if name in COMPONENTS:
-        variable, k = COMPONENTS[name]
-        return partial(_component, variable, k)
+        return partial(_wy if name == "wy" else _component, *COMPONENTS[name])
     if len(name) == 2 and name[0] in PRINCIPAL and name[1] in "123":
         return partial(_principal, TENSORS[name[0]], int(name[1]) - 1)
     if name in EFFECTIVE:
@@ -147,6 +145,12 @@ def _component(variable: str, k: int, part: Part) -> Floats | None:
     return None if v is None else v.reshape(len(v), -1)[:, k]
 
 
+def _wy(variable: str, k: int, part: Part) -> Floats | None:
+    """FEBio's one name for two: the fluid's flux along y, and the yielded bonds where no fluid is."""
+    flux = _component(variable, k, part)
+    return _bonds("yielded", part) if flux is None else flux
+
+
 def _principal(variable: str, k: int, part: Part) -> Floats | None:
     """Means of principal values, largest first."""
 
@@ -187,6 +191,14 @@ def _position(k: int, part: Part) -> Floats | None:
     from febkit.output.plot.motion import position
 
     return None if part.group is None else position(part)[..., k].mean(axis=1)
+
+
+def _strain_energy(part: Part) -> Floats | None:
+    """Mean strain energy density, of shells too."""
+    from febkit.output.plot.energies import energy
+
+    W = energy(part) if part.group is not None else None
+    return None if W is None else W.mean(axis=1)
 
 
 def _volume(part: Part) -> Floats | None:
@@ -259,7 +271,7 @@ OTHERS: dict[str, Callable[[Part], Floats | None]] = {
     **{f"fiber_{c}": partial(_fiber, k) for k, c in enumerate("xyz")},
     **{f"s{i + 1}{c}": partial(_principal_direction, i, k) for i in range(3) for k, c in enumerate("xyz")},
     "V": _volume,
+    "sed": _strain_energy,
     "fiber_stretch": _axis_stretch,
     "wi": partial(_bonds, "intact"),
-    "wy": partial(_bonds, "yielded"),
 }
