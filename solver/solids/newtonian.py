@@ -94,5 +94,33 @@ class NewtonianViscousUncoupled(_Viscous, Uncoupled):
     energy = Uncoupled.energy
 
 
+@dataclass(eq=False)
+class CarreauYasuda(_Viscous, Solid):
+    """sigma = 2 mu D, mu = mui + (mu0 - mui) (1 + (lambda g)^a)^((n - 1)/a), g = (2 D : D)^1/2."""
+
+    mu0: Number = 0.0
+    mui: Number = 0.0
+    lambda_: Number = 0.0
+    n: Number = 1.0
+    a: Number = 2.0
+    parameters = ("mu0", "mui", "lambda_", "n", "a")
+    options = ()
+
+    def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
+        mu0, mui, lam, n, a = self.par(pts).T
+        D = self._rate(pts)
+        g = np.sqrt(2.0 * (D**2).sum((1, 2)))
+        x = 1.0 + (lam * g) ** a
+        mu = mui + (mu0 - mui) * x ** ((n - 1.0) / a)
+        s += vector(2.0 * mu[:, None, None] * D)
+        if c is None or pts.dt == 0:
+            return
+        slope = 2.0 * (mu0 - mui) * (n - 1.0) * lam**a * g ** (a - 2.0) * x ** ((n - a - 1.0) / a)
+        _add_isotropic(np.zeros(pts.n), 2.0 * mu / pts.dt, c)
+        d = vector(D)
+        c += (2.0 * slope / pts.dt)[:, None, None] * d[:, :, None] * d[:, None, :]
+
+
+register(CarreauYasuda, "Carreau-Yasuda viscous solid")
 register(NewtonianViscous, "Newtonian viscous solid")
 register(NewtonianViscousUncoupled, "Newtonian viscous solid uncoupled")

@@ -5,6 +5,9 @@ from __future__ import annotations
 #: table -> FEBio type -> "module:Class"
 TABLES: dict[str, dict[str, str]] = {
     "solid": {
+        "damage neo-Hookean": "simo_damage:DamagedNeoHookean",
+        "damage Mooney-Rivlin": "simo_damage:DamagedMooneyRivlin",
+        "Carreau-Yasuda viscous solid": "newtonian:CarreauYasuda",
         "lung": "lung:Lung",
         "isotropic Lee-Sacks": "lee_sacks:LeeSacks",
         "uncoupled isotropic Lee-Sacks": "lee_sacks:LeeSacksUncoupled",

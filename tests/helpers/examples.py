@@ -55,6 +55,9 @@ _ACTIVE = "FEBio's tangent leaves the active tension out"
 _GROWTH = "its tangent leaves out the growth of damage"
 
 SIMPLE = {
+    "damage neo-Hookean": dict(E=2.0, v=0.3, a=0.4, b=0.3),
+    "damage Mooney-Rivlin": dict(c1=1.0, c2=0.2, beta=0.3, smin=0.05, smax=2.0, k=10.0),
+    "Carreau-Yasuda viscous solid": dict(mu0=1.5, mui=0.2, lambda_=0.9, n=0.6, a=2.4),
     "lung": dict(E=2.0, v=0.3, c1=0.7, c3=0.9, d1=2.4, d3=3.0),
     "isotropic Lee-Sacks": dict(c0=1.0, c1=0.8, c2=0.6, k=5.0),
     "uncoupled isotropic Lee-Sacks": dict(c0=1.0, c1=0.8, c2=0.6, k=5.0),
@@ -356,6 +359,9 @@ def example(name):
 
 #: energies that do not belong to the stress, in FEBio either, or are of dissipative laws
 NO_ENERGY_LAW = {
+    "Carreau-Yasuda viscous solid": "viscous",
+    "damage neo-Hookean": "damage",
+    "damage Mooney-Rivlin": "damage",
     "active fiber stress": "it has no energy",
     "uncoupled active fiber stress": "it has no energy",
     "uncoupled active contraction": "it has no energy",
@@ -393,6 +399,9 @@ NO_ENERGY_LAW = {
 
 #: tangents that are not the derivative of the stress
 NO_TANGENT_LAW = {
+    "damage neo-Hookean": _GROWTH,
+    "damage Mooney-Rivlin": _GROWTH,
+    "Carreau-Yasuda viscous solid": _HISTORY,
     "active fiber stress": "FEBio's tangent takes the rate's slope for one of the stretch",
     "uncoupled active contraction": _ACTIVE,
     "2D fiber neo-Hookean": _ACTIVE,
