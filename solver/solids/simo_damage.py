@@ -19,7 +19,9 @@ from .registry import register
 
 @dataclass(eq=False)
 class _Softened(Solid):
-    """g(peak) times the undamaged solid, peak the largest (2 W)^1/2 so far; the tangent leaves out how g changes, as in FEBio.
+    """g(peak) times the undamaged solid, peak the largest (2 W)^1/2 so far.
+
+    The tangent leaves out how g changes, as in FEBio.
 
     History: peak.
     """
