@@ -37,33 +37,39 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 @lru_cache(maxsize=None)
-def _imports(path: Path) -> tuple[Path, ...]:
-    """Solver files that a solver file imports by relative imports."""
+def _listed(folder: str) -> frozenset[str]:
+    return frozenset(os.listdir(folder)) if os.path.isdir(folder) else frozenset()
+
+
+@lru_cache(maxsize=None)
+def _read(path: str) -> tuple[bytes, tuple[str, ...]]:
+    """sha256 of a solver file, and the solver files that it imports by relative imports."""
+    with open(path, "rb") as f:
+        source = f.read()
     found = set()
-    for dots, module, names in _IMPORT.findall(path.read_text()):
-        base = path.parent
-        for _ in range(len(dots) - 1):
-            base = base.parent
-        base = base.joinpath(*module.split(".")) if module else base
-        candidates = [base.with_suffix(".py"), base / "__init__.py"]
-        candidates += [base / f"{n.split(' as ')[0].strip()}.py" for n in names.split(",")]
-        found |= {c for c in candidates if c.is_file()}
-    return tuple(sorted(found))
+    for dots, module, names in _IMPORT.findall(source.decode()):
+        base = os.path.normpath(os.path.join(path, *[".."] * len(dots), *module.split(".")))
+        folder, stem = os.path.split(base)
+        if f"{stem}.py" in _listed(folder):
+            found.add(f"{base}.py")
+        inside = (f"{n}.py" for n in ("__init__", *(n.split(" as ")[0].strip() for n in names.split(","))))
+        found |= {os.path.join(base, n) for n in inside if n in _listed(base)}
+    return hashlib.sha256(source).digest(), tuple(sorted(found))
 
 
 @lru_cache(maxsize=None)
 def source_hash(path: Path) -> str:
     """sha256 over a solver file and all solver files below it, and the versions that compile them."""
-    todo, seen = [path], set()
+    todo, seen = [str(path)], set()
     while todo:
         p = todo.pop()
         if p not in seen:
             seen.add(p)
-            todo += _imports(p)
+            todo += _read(p)[1]
     h = hashlib.sha256(f"{_numba_version()} {sys.version_info[:2]} {_MAKERS}".encode())
     for p in sorted(seen):
-        h.update(p.name.encode())
-        h.update(p.read_bytes())
+        h.update(os.path.basename(p).encode())
+        h.update(_read(p)[0])
     return h.hexdigest()[:24]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from functools import cache
 
 # one block per kind ("# bc"); a line per type: parameters of that type and of its base classes
@@ -932,30 +933,45 @@ D; E1; E2; E3; EulerX; EulerY; EulerZ; Ex; Exy; Exz; Ey; Eyz; Ez; FHAsx; FHAsy; 
 """
 
 
+class Types(Mapping[str, frozenset[str]]):
+    """Parameters by type; a type's row is read when it is asked for."""
+
+    def __init__(self, rows: dict[str, str]) -> None:
+        self.rows = rows
+
+    def __getitem__(self, name: str) -> frozenset[str]:
+        return frozenset(self.rows[name].split())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
 @cache
-def table() -> dict[str, dict[str, frozenset[str]]]:
+def table() -> dict[str, Types]:
     """Parameters by kind and type; for "plot" and "log" the types alone."""
-    out: dict[str, dict[str, frozenset[str]]] = {}
-    kind = ""
-    text = TABLE.strip().replace("\n  ", " ")
-    for line in text.split("\n"):
-        if line.startswith("# "):
-            kind = line[2:]
-            out[kind] = {}
-        elif kind in ("plot", "log"):
-            out[kind] |= {t.strip(): frozenset() for t in line.split(";")}
+    out: dict[str, Types] = {}
+    for block in TABLE.strip().replace("\n  ", " ").removeprefix("# ").split("\n# "):
+        kind, *lines = block.split("\n")
+        if kind in ("plot", "log"):
+            rows = dict.fromkeys((t.strip() for line in lines for t in line.split(";")), "")
         else:
-            name, _, parameters = line.partition(": ")
-            out[kind][name.rstrip(":")] = frozenset(parameters.split())
+            rows = {name.rstrip(":"): row for name, _, row in (line.partition(": ") for line in lines)}
+        out[kind] = Types(rows)
     return out
 
 
 @cache
-def anywhere() -> dict[str, frozenset[str]]:
+def anywhere() -> Types:
     """Parameters by type, whatever the kind: what a property deep in a material may be."""
-    out: dict[str, frozenset[str]] = {}
+    out: dict[str, str] = {}
     for kind, types in table().items():
         if kind not in ("plot", "log"):
-            for t, parameters in types.items():
-                out[t] = out.get(t, frozenset()) | parameters
-    return out
+            for name, row in types.rows.items():
+                out[name] = f"{out[name]} {row}" if name in out else row
+    return Types(out)
