@@ -74,11 +74,11 @@ def test_a_material_that_formulas_read_needs_no_domain(tmp_path):
 
 
 def test_what_febkit_cannot_solve_is_said_with_its_line(tmp_path):
-    text = V4.read_text().replace('type="sliding-node-on-facet"', 'type="sticky"')
+    text = V4.read_text().replace('type="sliding-node-on-facet"', 'type="tied-fluid"')
     (tmp_path / "m.feb").write_text(text)
     found = [f for f in validate(tmp_path / "m.feb", solvable=True) if f.severity == "unsupported"]
-    line = next(i for i, row in enumerate(text.splitlines(), 1) if "sticky" in row)
-    assert any("sticky" in f.message and f.where.line == line for f in found)
+    line = next(i for i, row in enumerate(text.splitlines(), 1) if "tied-fluid" in row)
+    assert any("tied-fluid" in f.message and f.where.line == line for f in found)
 
 
 def test_unreadable_files_give_one_error(tmp_path):
