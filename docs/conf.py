@@ -17,7 +17,7 @@ html_theme = "furo"
 html_title = f"febkit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_show_sourcelink = False
+html_show_sourcelink = html_show_copyright = False
 html_copy_source = False
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3

@@ -5,7 +5,8 @@ from febkit import materials as mt
 
 m = febkit.Model.from_meshio("plug.msh", "biphasic", units="mm-N-s")
 m.materials["cartilage"] = mt.Biphasic(
-    solid=mt.NeoHookean(E=0.6, v=0.1), permeability=mt.PermConstIso(perm=2e-3), phi0=0.2)  # fmt: skip
+    solid=mt.NeoHookean(E=0.6, v=0.1), permeability=mt.PermConstIso(perm=2e-3), phi0=0.2
+)
 m.fix(m.nodes(x=0), "x")
 m.fix(m.nodes(y=0), "y")
 m.fix("bottom", "z")

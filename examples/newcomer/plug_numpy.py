@@ -11,7 +11,8 @@ hexahedra = first[:, None] + [0, 1, 6, 5, 10, 11, 16, 15]
 m = febkit.Model("biphasic", units="mm-N-s")
 m.add_part("block", "hex8", X, hexahedra)
 m.materials["cartilage"] = mt.Biphasic(
-    solid=mt.NeoHookean(E=0.6, v=0.1), permeability=mt.PermConstIso(perm=2e-3), phi0=0.2)  # fmt: skip
+    solid=mt.NeoHookean(E=0.6, v=0.1), permeability=mt.PermConstIso(perm=2e-3), phi0=0.2
+)
 m.fix(X[:, 0] == 0, "x")
 m.fix("all", "y")
 m.fix(X[:, 2] == 0, "z")

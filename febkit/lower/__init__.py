@@ -79,10 +79,6 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         ties.discrete(ctx, common)
     steps = [_step(ctx, s) for s in model.steps]
     rigid.check(ctx, [(common, s) for s in steps])
-    if ctx.bonded:
-        from . import bonds
-
-        bonds.settle(ctx, common, steps)
     if any(s.constraints for s in (common, *steps)):
         from . import ties
 
@@ -194,7 +190,7 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     if spec.contact:
         from .contact import contacts
 
-        contacts(ctx, out, spec.contact)
+        out.contacts += contacts(ctx, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]

@@ -15,7 +15,6 @@ from febkit.solver import contact as records
 from febkit.solver import elements
 from febkit.solver.elements import nodal
 from febkit.solver.fields import concentration
-from febkit.solver.problem import Step
 
 from . import shells
 from .context import Context
@@ -23,11 +22,14 @@ from .context import Context
 Reader = Callable[[Context, Component], Any]
 
 
-METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
+METHODS = {"penalty": False, "auglag": True, "lagmult": None, "0": False, "1": True, "2": None}
 
 
 def _laugon(ctx: Context, leaf: Component) -> bool:
-    return leaf.as_choice(METHODS) == 1
+    method = leaf.as_choice(METHODS)
+    if method is None:
+        ctx.refuse("<laugon>LAGMULT</laugon>", leaf.where)
+    return bool(method)
 
 
 RULES = {"default": False, "higher-order": True, "0": False, "1": True}
@@ -43,9 +45,10 @@ NORMAL: dict[str, Reader] = {
     **COMMON, "gaptol": NUMBER, "auto_penalty": FLAG, "two_pass": FLAG, "knmult": NUMBER, "search_tol": NUMBER,
     "search_radius": NUMBER,
 }  # fmt: skip
-SLIDING: dict[str, Reader] = {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "smooth_aug": FLAG}
-FLUID: dict[str, Reader] = {"ptol": NUMBER, "pressure_penalty": NUMBER}
-FLUX: dict[str, Reader] = {**FLUID, "ctol": NUMBER, "concentration_penalty": NUMBER}
+FLUX: dict[str, Reader] = {
+    **NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
+    "concentration_penalty": NUMBER,
+}  # fmt: skip
 OF_MIXTURES = ("tied-multiphasic", "sliding-biphasic-solute", "sliding-multiphasic")
 PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
@@ -57,14 +60,17 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     },
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
-    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, **FLUID},
-    "tied-multiphasic": {**NORMAL, "symmetric_stiffness": FLAG, **FLUX},
-    "sliding-elastic": {**SLIDING, "tension": FLAG, "offset": NUMBER},
-    "sliding-biphasic": {**SLIDING, **FLUID},
-    "sliding-biphasic-solute": {**SLIDING, **FLUX},
-    "sliding-multiphasic": {**SLIDING, **FLUX},
+    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "sliding-biphasic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER},
+    "tied-multiphasic": {
+        **NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
+        "concentration_penalty": NUMBER,
+    },
+    "sliding-biphasic-solute": FLUX,
+    "sliding-multiphasic": FLUX,
     "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
+    "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # what counts with friction alone
 WETS: dict[str, Reader] = {"contact_frac": NUMBER, "smooth_fls": FLAG}
@@ -85,8 +91,9 @@ READ = frozenset({
 })  # fmt: skip
 
 
-def contacts(ctx: Context, out: Step, specs: tuple[Component, ...]) -> None:
-    """Contacts of a step, in file order."""
+def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
+    """Contacts in file order."""
+    out = []
     for c in specs:
         if c.tag != "contact" or c.type not in PARAMETERS or not records.known(c.type):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
@@ -94,13 +101,8 @@ def contacts(ctx: Context, out: Step, specs: tuple[Component, ...]) -> None:
         if ("biphasic" in c.type or c.type in OF_MIXTURES) and not ctx.layout.has("p"):
             ctx.refuse(f'<{c.tag} type="{c.type}"> in a model without fluid', c.where)
             continue
-        made = _contact(ctx, c)
-        if c.type == "contact potential" or c.choice("laugon", METHODS, 0) != 2:
-            out.contacts.append(made)
-        elif c.type == "tied-node-on-facet" and not c.bool("offset_shells"):
-            ctx.bonded.append((out, c, made))
-        else:  # FEBio has no other contact by multipliers
-            ctx.refuse(f'<laugon>LAGMULT</laugon> of <contact type="{c.type}">', c.need("laugon").where)
+        out.append(_contact(ctx, c))
+    return out
 
 
 def _contact(ctx: Context, c: Component) -> Any:
@@ -113,7 +115,7 @@ def _contact(ctx: Context, c: Component) -> Any:
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
-        if leaf.tag in UNUSED and leaf.tag not in table and leaf.as_bool():
+        if leaf.tag in UNUSED and leaf.as_bool():
             ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
         if leaf.tag in table:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)
@@ -123,8 +125,7 @@ def _contact(ctx: Context, c: Component) -> Any:
         kw |= {tag: read(ctx, c.need(tag)) for tag, read in BESIDES.get(c.type or "", {}).items() if c.child(tag)}
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
-    needs = any(kw.get(tag) for tag in ("auto_penalty", "smooth_aug")) or "biphasic" in (c.type or "")
-    needs = needs or c.type in OF_MIXTURES
+    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "") or c.type in OF_MIXTURES
     if c.type in OF_MIXTURES:
         kw["RT"] = ctx.model.constants.get("R", 0.0) * ctx.model.constants.get("T", 0.0)
         if c.type != "sliding-biphasic-solute" and kw.get("auto_penalty") and c.bool("update_penalty"):

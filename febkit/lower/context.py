@@ -28,9 +28,8 @@ from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Va
 
 if TYPE_CHECKING:
     from febkit.model.math import Formula
-    from febkit.solver.contact.tied_node import TiedNode
     from febkit.solver.controllers import LoadCurve
-    from febkit.solver.problem import Block, Step
+    from febkit.solver.problem import Block
 
     from .rigid import Body
 
@@ -72,7 +71,6 @@ class Context:
         self.centres: list[np.ndarray] = []  # and their centres, by index
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.made: list[Block] = []  # and the blocks
-        self.bonded: list[tuple[Step, Component, TiedNode]] = []  # tied contacts by multipliers, and their steps
         self.common = Step()  # what acts in every step
         self._made_data: dict[int, np.ndarray | None] = {}
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none

@@ -18,7 +18,7 @@ from . import meshes, selection
 from .curves import Curves
 from .node import Node
 from .output import Outputs
-from .parts import Materials, Parts
+from .parts import Materials, Parts, kind_of
 from .sets import ElementSets, NodeSets, Surfaces
 from .species import declared
 from .stage import Stage
@@ -230,7 +230,7 @@ class Model(Stage):
         own = {d.block: d for d in self._record.domains}
         for b in self.mesh.blocks:
             if not parts or b.name in parts:
-                kind = _kind(b.type)
+                kind = kind_of(b.type)
                 old = own.get(b.name)
                 own[b.name] = Domain(b.name, kind, material) if old is None else replace(old, material=material)
         order = [n for n in names if n in own] + [n for n in own if n not in names]
@@ -360,12 +360,6 @@ class Model(Stage):
         from .solution import solve
 
         return solve(self._record, plotfile, variables=variables, at=at, **options)
-
-
-def _kind(type_: str) -> str:
-    from febkit.solver import elements
-
-    return "solid" if type_ in elements.VOLUMES else "shell" if type_ in elements.FACETS else "beam"
 
 
 def read(path: str | PathLike[str]) -> Model:

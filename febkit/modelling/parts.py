@@ -9,16 +9,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model import Component, ElementBlock, InputError
+from febkit.model import Component, Domain, ElementBlock, InputError
 
 from .node import Node
 from .sets import missing
+from .text import is_number, written
 
 if TYPE_CHECKING:
     from .model import Model
 
 
-@dataclass(frozen=True)
+def kind_of(type_: str) -> str:
+    """ "solid", "shell" or "beam": what domains of elements of a type are."""
+    from febkit.solver import elements
+
+    return "solid" if type_ in elements.VOLUMES else "shell" if type_ in elements.FACETS else "beam"
+
+
+@dataclass(eq=False)
 class Part:
     """A part: ``type`` of its elements, their ``ids`` and ``connectivity`` (0-based), its ``material``."""
 
@@ -45,6 +53,32 @@ class Part:
     def material(self) -> str | None:
         """The name of its material."""
         return next((d.material for d in self.model.record.domains if d.block == self.name), None)
+
+    @property
+    def thickness(self) -> float | None:
+        """Thickness of the shells of the part (length); None where it is not said, or said by a map."""
+        d = self._domain
+        return d.spec.float("shell_thickness", 0.0) or None if d is not None and d.spec is not None else None
+
+    @thickness.setter
+    def thickness(self, value: float) -> None:
+        if kind_of(self.type) != "shell":
+            raise InputError(f'part "{self.name}" holds {self.type}, which have no thickness')
+        if not (is_number(value) and float(value) > 0):
+            raise InputError(f"the thickness of shells must be more than 0, not {value!r}")
+        d = self._domain or Domain(self.name, "shell", "")
+        rest = d.spec or Component("ShellDomain")
+        kept = tuple(c for c in rest.children if c.tag != "shell_thickness")
+        said = Component("shell_thickness", text=written(value))
+        new = replace(d, spec=replace(rest, children=(*kept, said)))
+        others = tuple(x for x in self.model.record.domains if x.block != self.name)
+        own = {x.block: x for x in (*others, new)}
+        order = [b.name for b in self.model.record.mesh.blocks if b.name in own]
+        self.model._put(domains=tuple(own[n] for n in order))
+
+    @property
+    def _domain(self) -> Domain | None:
+        return next((d for d in self.model.record.domains if d.block == self.name), None)
 
     def assign(self, material: str) -> None:
         """Give it a material."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from febkit._version import __version__
 from febkit.model import Model
 from febkit.model.species import solid_bound, solutes
 from febkit.results.variables import VARIABLES
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from os import PathLike
 
 Floats = NDArray[np.float64]
+_NAME = f"febkit {__version__}"
+SOFTWARE = _NAME + " " * (-len(_NAME) % 4)  # pyfebio's reader takes the name as words of four bytes
 
 
 def plot_mesh(model: Model) -> PlotMesh:
@@ -97,7 +100,7 @@ class PlotListener(Listener):
         compress = spec is not None and spec.bool("compression")
         self.mesh = plot_mesh(model)
         self.writer = PlotWriter(
-            path, self.mesh, self.variables, compress=compress, software="febkit", units=model.units, live=False,
+            path, self.mesh, self.variables, compress=compress, software=SOFTWARE, units=model.units, live=False,
         )  # fmt: skip
         self.states = 0
         self.view: plot.View | None = None

@@ -75,6 +75,33 @@ def test_reading_does_not_import_numba() -> None:
     assert done.stdout.strip() == "False"
 
 
+def test_importing_febkit_imports_nothing_else() -> None:
+    """`import febkit` costs less than numpy's import: it loads no package but itself."""
+    program = (
+        "import sys; before = set(sys.modules); import febkit\n"
+        "print(*sorted({m.partition('.')[0] for m in set(sys.modules) - before} - set(sys.stdlib_module_names)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["febkit"]
+
+
+def test_building_editing_and_writing_import_no_numba(tmp_path: Path) -> None:
+    program = (
+        "import sys, febkit\n"
+        "from febkit import materials as mt\n"
+        "m = febkit.Model('biphasic')\n"
+        "m.add_block('b', (1, 1, 1), (2, 2, 2))\n"
+        "solid, k = mt.NeoHookean(E=1, v=0.1), mt.PermConstIso(perm=1)\n"
+        "m.materials['c'] = mt.Biphasic(solid=solid, permeability=k, phi0=0.2)\n"
+        "m.fix(m.nodes(z='min'), 'z'); m.load(m.faces(z='max'), 'pressure', pressure=1, curve=[(0, 0), (1, 1)])\n"
+        "m.materials['c'].solid.E = 2; m.step(time=1, dt=0.1); m.copy(); repr(m)\n"
+        f"m.write({str(tmp_path / 'm.feb')!r}); m.validate(); assert febkit.read({str(tmp_path / 'm.feb')!r}) == m\n"
+        "print([n for n in ('numba', 'llvmlite', 'matplotlib', 'dask', 'pyvista') if n in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
 def test_the_command_itself_imports_nothing_heavy() -> None:
     """As a shell calls it: what handles errors must not cost what it never meets (0.3 s is the aim; see benchmarks)."""
     program = (

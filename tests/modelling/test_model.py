@@ -459,3 +459,21 @@ def test_every_constructor_can_be_called() -> None:
         assert mt.constructor(name)().component.type == kind
     assert mt.PrestrainGradient().ramp == 1.0
     assert signature(mt.VolumeGrowth).parameters["multiplier"].default == 1.0
+
+
+def test_shells_have_a_thickness(tmp_path: Path) -> None:
+    m = febkit.Model()
+    m.add_part("plate", "quad4", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    m.add_block("cube", (1, 1, 1), (1, 1, 1), origin=(2, 0, 0))
+    assert m.parts["plate"].thickness is None
+    m.parts["plate"].thickness = 0.1
+    m.materials["steel"] = mt.NeoHookean(E=1, v=0.3)
+    m.parts["plate"].thickness = 0.2
+    m.write(tmp_path / "m.feb")
+    again = febkit.read(tmp_path / "m.feb").parts["plate"]
+    assert again.thickness == 0.2 and again.material == "steel"
+    with pytest.raises(InputError, match='part "cube" holds hex8, which have no thickness'):
+        m.parts["cube"].thickness = 1
+    for wrong in (0, -1, "thick"):
+        with pytest.raises(InputError, match="the thickness of shells must be more than 0, not"):
+            m.parts["plate"].thickness = wrong

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from helpers.browser import chromium
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -45,3 +47,20 @@ def test_links_between_pages_lead_somewhere(built: Path) -> None:
     for page in built.rglob("*.html"):
         for link in re.findall(r'href="([^"#:]+\.html)', page.read_text()):
             assert (page.parent / link).resolve().is_file(), f"{page.relative_to(built)}: {link}"
+
+
+def test_pages_fit_a_browser_s_window_and_show_their_pictures(built: Path) -> None:
+    browser = chromium(1280, 900)
+    try:
+        for page in sorted(built.rglob("*.html")):
+            name = str(page.relative_to(built))
+            browser.get(page.as_uri())
+            root = "return document.documentElement."
+            wide, window = (browser.execute_script(f"{root}{w}Width") for w in ("scroll", "client"))
+            assert wide <= window, f"{name} is {wide} pixels wide"
+            lost = "return [...document.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.src)"
+            assert browser.execute_script(lost) == [], name
+        browser.get((built / "index.html").as_uri())
+        assert browser.title.startswith("febkit") and len(browser.find_elements("css selector", "article img")) == 1
+    finally:
+        browser.quit()

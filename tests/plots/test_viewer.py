@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import shutil
 import time
 
 import numpy as np
@@ -18,6 +17,7 @@ import febkit
 from febkit.model import InputError
 from febkit.results import write
 from febkit.viewer import Show, Stage
+from helpers.browser import chromium
 
 from .test_figures import block
 
@@ -35,18 +35,7 @@ def result():
 
 @pytest.fixture(scope="module")
 def browser():
-    webdriver = pytest.importorskip("selenium.webdriver", reason="browsers are driven by selenium")
-    from selenium.webdriver.chrome.service import Service
-
-    chrome = next((p for n in ("chromium", "chromium-browser", "google-chrome") if (p := shutil.which(n))), None)
-    driver = shutil.which("chromedriver")
-    if chrome is None or driver is None:
-        pytest.skip("there is no chromium and chromedriver on this machine")
-    options = webdriver.ChromeOptions()
-    options.binary_location = chrome
-    for a in ("--headless=new", "--no-sandbox", "--window-size=1200,850", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(a)
-    d = webdriver.Chrome(options=options, service=Service(driver))
+    d = chromium()
     yield d
     d.quit()
 

@@ -1,0 +1,50 @@
+"""The notebooks of examples/ run from top to bottom in a real kernel, and keep small outputs that say the same."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+nbclient = pytest.importorskip("nbclient", reason="notebooks are run by nbclient")
+nbformat = pytest.importorskip("nbformat")
+pytest.importorskip("ipykernel", reason="notebooks need a kernel")
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NOTEBOOKS = sorted((EXAMPLES / "notebooks").glob("*.ipynb"))
+MOST = 120  # s
+LARGEST = 450_000  # bytes
+
+
+def kinds(cell: Any) -> list[str]:
+    """What a cell shows: "text/plain" and "image/png" of results, "stdout", "stderr"."""
+    out = []
+    for o in cell.get("outputs", []):
+        out.append(o.get("name") or ("image/png" if "image/png" in o["data"] else "text/plain"))
+    return out
+
+
+def test_there_are_six_that_start_at_one() -> None:
+    assert [p.name[:2] for p in NOTEBOOKS] == ["01", "02", "03", "04", "05", "06"]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
+def test_outputs_are_kept_and_small(path: Path) -> None:
+    book = nbformat.read(path, 4)
+    nbformat.validate(book)
+    shown = [k for c in book.cells for k in kinds(c)]
+    assert path.stat().st_size < LARGEST and "stderr" not in shown
+    assert "image/png" in shown and ("text/plain" in shown or "stdout" in shown)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
+def test_notebook(path: Path, tmp_path: Path) -> None:
+    kept, book = nbformat.read(path, 4), nbformat.read(path, 4)
+    (tmp_path / "notebooks").mkdir()
+    for model in ("study_reduced.toml", "unconfined_compression.feb"):
+        shutil.copy(EXAMPLES / model, tmp_path)
+    place = {"metadata": {"path": str(tmp_path / "notebooks")}}
+    nbclient.NotebookClient(book, timeout=MOST, kernel_name="python3", resources=place).execute()
+    assert [kinds(c) for c in book.cells] == [kinds(c) for c in kept.cells]
