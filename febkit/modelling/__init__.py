@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from .completion import teach
 from .model import Model
 
 __all__ = ["Model"]
+
+teach()
