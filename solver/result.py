@@ -19,6 +19,7 @@ class Totals:
     residuals: int = 0
     reforms: int = 0
     retries: int = 0
+    lost: int = 0  # iterations, of those above, in tries that failed
     guarded: int = 0  # steps solved by guarded Newton steps, beyond FEBio's retries
     compiled: int = 0  # kernels that no earlier run had left on disk
     seconds: dict[str, float] = field(default_factory=dict)

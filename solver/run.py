@@ -243,6 +243,7 @@ class Run:
             except (NotConverged, NotFinite, ElementFailure, LinearError, np.linalg.LinAlgError) as e:
                 counts, why = newton.count, str(e)
                 self._add(counts)
+                self.totals.lost += counts.iterations
                 before.restore()
                 if how.stale:  # once more with tangents of its own, in all stages, before the step is cut
                     how = newton.fresh
@@ -259,6 +260,7 @@ class Run:
             if not good:
                 before.restore()
                 self.totals.retries += 1
+                self.totals.lost += counts.iterations
                 again = None if step.vanishing else step.dt
                 self.tell("failed", "the step's error is too large", again)
                 if again is None:

@@ -113,6 +113,8 @@ class LogListener(Listener):
         w(f"\tTotal number of right hand evaluations ............ : {t.residuals}\n")
         w(f"\tTotal number of stiffness reformations ............ : {t.reforms}\n")
         w(f"\tTotal number of retries ........................... : {t.retries}\n")
+        if t.lost:
+            w(f"\tIterations in failed tries (none in FEBio's totals) . : {t.lost}\n")
         if t.guarded:
             w(f"\tSteps by guarded Newton steps, beyond these ....... : {t.guarded}\n")
         w("\n")

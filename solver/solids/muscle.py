@@ -72,7 +72,7 @@ class Muscle(UncoupledFourthInvariant):
     p2: Number = 0.0
     Lofl: Number = 1.0
     smax: Number = 0.0
-    lam_max: Number = 1.0
+    lam_max: Number = 0.0
     activation: Number = 0.0
     parameters = ("g1", "g2", "g3", "p1", "p2", "Lofl", "smax", "lam_max", "activation")
 
@@ -112,7 +112,7 @@ class Tendon(UncoupledFourthInvariant):
     g2: Number = 0.0
     l1: Number = 0.0
     l2: Number = 0.0
-    lam_max: Number = 1.0
+    lam_max: Number = 0.0
     parameters = ("g1", "g2", "l1", "l2", "lam_max")
 
     def derivatives(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
