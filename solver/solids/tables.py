@@ -168,6 +168,16 @@ TABLES: dict[str, dict[str, str]] = {
         "active_contraction": "active_contraction:ActiveContraction",
         "uncoupled active_contraction": "active_contraction:ActiveContraction",
     },
+    "recruitment": {
+        "recruitment power": "recruitments:Power",
+        "recruitment exponential": "recruitments:Exponential",
+        "recruitment polynomial": "recruitments:Polynomial",
+        "recruitment user": "recruitments:User",
+        "recruitment log-normal": "recruitments:DistributedLogNormal",
+        "recruitment Weibull": "recruitments:DistributedWeibull",
+        "recruitment quintic": "recruitments:DistributedQuintic",
+        "recruitment gamma": "recruitments:DistributedGamma",
+    },
     "relaxation": {
         "relaxation-exponential": "relaxations:Exponential",
         "relaxation-exp-distortion": "relaxations:ExponentialDistortion",

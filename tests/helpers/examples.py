@@ -298,6 +298,11 @@ _WITH = {
     "DC Deshpande-Fleck": dict(beta=0.4), "DC Drucker shear stress": dict(c=0.3), "DC Drucker-Prager": dict(b=0.2),
     "PFC math": dict(nf=4, e0=0.02, emax=0.3, plastic_response=lambda e: 0.1 * e**0.3),
     "PFC paper": dict(Y0=0.05, Ymax=0.15, w0=0.4, we=0.1, nf=5, r=0.9), "PFC user": dict(plastic_response=Response()),
+    "recruitment power": dict(alpha=1.5, mu0=1.1, mu1=2.0, scale=0.5), "recruitment polynomial": dict(mu1=0.7, mu2=3.0),
+    "recruitment exponential": dict(alpha=1.2, mu0=1.1, mu1=0.8, scale=0.4), "recruitment user": dict(function=curve),
+    "recruitment log-normal": dict(mu=0.1, sigma=0.6, max=2.0), "recruitment gamma": dict(mu=0.05, max=1.5),
+    "recruitment Weibull": dict(alpha=1.5, mu=0.2, ploc=0.01, max=2.0),
+    "recruitment quintic": dict(mumin=0.02, mumax=0.9, max=1.5),
     "general growth": dict(iso=1.2, ani=1.1, fiber=direction),
     "in-situ stretch": dict(stretch=1.1), "prestrain gradient": dict(F0=np.diag([1.1, 0.95, 1.0]).ravel()),
 }  # fmt: skip
@@ -323,6 +328,10 @@ def nested():
     out = {}
     for table, make in {
         "relaxation": lambda p: solid("reactive viscoelastic", elastic=neo_hookean(), bond=neo_hookean(), relaxation=p),
+        "recruitment": lambda p: solid(
+            "reactive viscoelastic", elastic=neo_hookean(), bond=neo_hookean(), recruitment=p,
+            relaxation=of("relaxation", "relaxation-exponential", tau=0.5),
+        ),
         "cdf": lambda p: solid("elastic damage", elastic=neo_hookean(), damage=p, criterion=of("criterion", "DC Simo")),
         "criterion": lambda p: solid("elastic damage", elastic=neo_hookean(), damage=_cdf(), criterion=p),
         "flow_curve": lambda p: solid(
