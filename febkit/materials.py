@@ -3,7 +3,7 @@
 Each carries FEBio's parameters, with defaults and help made from the solver's own records; every FEBio material is
 there by its type name as well: ``febkit.materials.of("neo-Hookean", E=0.6, v=0.1)``. A parameter is a number, a formula
 of X, Y, Z and t (text), or, for a property, another material. Reactions take ``vR={"species": coefficient}``,
-``vP`` likewise.
+``vP`` likewise, those of membranes ``vRe``, ``vPe``, ``vRi`` and ``vPi`` besides.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ def names() -> dict[str, str]:
     """FEBio's type of each constructor's name."""
     from febkit.feb.features import table
     from febkit.modelling.schema import mixture_laws
-    from febkit.solver import reactions
+    from febkit.solver import membrane_reactions, reactions
     from febkit.solver.solids.registry import tables
 
-    kinds = [t for types in (*tables().values(), *(r.TYPES for r in mixture_laws()), reactions.TYPES) for t in types]
+    laws = [r.TYPES for r in (*mixture_laws(), reactions, membrane_reactions)]
+    kinds = [t for types in (*tables().values(), *laws) for t in types]
     kinds += table()["material"]
     out: dict[str, str] = {}
     for kind in kinds:
@@ -55,7 +56,7 @@ def of(type: str, /, **parameters: Any) -> Node:
         raise InputError(missing("material", type, [*names().values()]))
     node = Node.of(Component("material", type), type)
     for name, value in parameters.items():
-        if name in ("vR", "vP") and isinstance(value, dict):
+        if name in ("vR", "vP", "vRe", "vPe", "vRi", "vPi") and isinstance(value, dict):
             _add_stoichiometry(node, name, value)
         elif isinstance(value, (list, tuple)) and value and all(isinstance(v, Node) for v in value):
             for v in value:

@@ -7,7 +7,6 @@ from .edit import (
     clone,
     is_true,
     leaf,
-    listed,
     materials,
     pop,
     rename,
@@ -18,7 +17,6 @@ from .edit import (
     text,
     walk,
 )
-from .mesh import floats
 from .references import materialise
 from .v25 import (
     ANALYSES,
@@ -32,6 +30,7 @@ from .v25 import (
     THREE_FIELD,
 )
 from .v30 import QN_DEFAULT, body_name
+from .v30_down import thickness_down
 
 
 def down(root: Tag, notes: list[str]) -> None:
@@ -80,7 +79,7 @@ def geometry_down(root: Tag, mesh: Tag, ids: dict[str, str], notes: list[str]) -
                    "mat": ids.get(d.get("mat") or "", d.get("mat") or "")}
         for c in d:
             if c.name == "shell_thickness":
-                thickness_down(root, e, c.text.strip())
+                thickness_down(section(root, "MeshData", ("Geometry",)), e, c.text.strip(), "var")
             elif c.name in ("alpha", "iso_stab") and d.get("elem_type") == "ut4":
                 said.setdefault(c.name, set()).add(c.text.strip())
             elif c.name == "shell_normal_nodal":
@@ -117,20 +116,6 @@ def formulations_down(said: dict[str, set[str]], notes: list[str]) -> list[Tag]:
         elif len(flags) > 1:
             notes.append(f"<{key}>: holds for all elements of a shape in version 2.5, and the domains differ")
     return out
-
-
-def thickness_down(root: Tag, e: Tag, thickness: str) -> None:
-    """A shell domain's thickness, given to each of its elements where no map gives it."""
-    data = section(root, "MeshData", ("Geometry",))
-    mapped = any(d.get("var") == "shell thickness" and d.get("elem_set") == e.get("name")
-                 and len(d.children if d.table is None else d.table.labels) == len(listed(e)) for d in data)
-    if mapped or same_text(thickness or "0", "0"):
-        return
-    n = max((len(floats(c.text, c)) for c in e), default=0) if e.table is None else e.table.values.shape[1]
-    count = len(e.children) if e.table is None else len(e.table.labels)
-    rows = Tag("ElementData", {"var": "shell thickness", "elem_set": e.need("name")})
-    rows.children = [leaf("e", ",".join([thickness] * n), lid=str(i)) for i in range(1, count + 1)]
-    data.children.insert(0, rows)
 
 
 def curve_down(c: Tag, curves: Tag, notes: list[str]) -> None:

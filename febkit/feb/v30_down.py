@@ -13,13 +13,15 @@ from .edit import (
     materials,
     pop,
     rename,
+    same_text,
+    section,
     set_child,
     stages,
     take,
     text,
     walk,
 )
-from .mesh import ints
+from .mesh import floats, ints
 from .references import materialise
 from .v30 import (
     DEFAULT_TYPES,
@@ -45,8 +47,13 @@ def down(root: Tag, notes: list[str], edges: bool = False) -> None:
     for mesh in root.all("Mesh"):
         materialise(root, mesh, ("@edge",))
         lists = sets_down(mesh, notes, edges)
+    shells = {e.get("name"): e for mesh in root.all("Mesh") for e in mesh.all("Elements")}
     for s in root.all("MeshDomains"):
         for d in list(s):
+            thickness = take(d, "shell_thickness")  # which FEBio reads from 4.0 on
+            if thickness is not None and d.get("name") in shells:
+                data = section(root, "MeshData", ("MeshDomains",))
+                thickness_down(data, shells[d.get("name")], thickness.text.strip(), "type")
             domain_down(d, s, notes)
     for s in root.all("MeshData"):
         for d in s:
@@ -93,6 +100,24 @@ def sets_down(mesh: Tag, notes: list[str], edges: bool) -> dict[str, str]:
             references[f'@part_list:{s.get("name")}'] = name
             notes.append(f'part list "{s.get("name")}": written as the element set "{name}"')
     return references
+
+
+def thickness_down(data: Tag, elements: Tag, thickness: str, kind: str) -> None:
+    """A shell domain's thickness, given to each of its elements where no map of <MeshData> gives it.
+
+    ``kind``: the attribute that says what a map is of.
+    """
+    name = elements.need("name")
+    mapped = any(d.get(kind) == "shell thickness" and d.get("elem_set") == name
+                 and len(d.children if d.table is None else d.table.labels) == len(listed(elements)) for d in data)
+    if mapped or same_text(thickness or "0", "0"):
+        return
+    t = elements.table
+    n = max((len(floats(c.text, c)) for c in elements), default=0) if t is None else t.values.shape[1]
+    count = len(elements.children) if t is None else len(t.labels)
+    rows = Tag("ElementData", {kind: "shell thickness", "elem_set": name})
+    rows.children = [leaf("e", ",".join([thickness] * n), lid=str(i)) for i in range(1, count + 1)]
+    data.children.insert(0, rows)
 
 
 def domain_down(d: Tag, domains: Tag, notes: list[str]) -> None:

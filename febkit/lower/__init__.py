@@ -77,6 +77,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         from . import ties
 
         ties.discrete(ctx, common)
+    if any(m.child("membrane_reaction") for m in model.materials) and not ctx.refused:
+        from . import membranes
+
+        common.loads += membranes.fluxes(ctx, blocks, domains)
     steps = [_step(ctx, s) for s in model.steps]
     rigid.check(ctx, [(common, s) for s in steps])
     if any(s.constraints for s in (common, *steps)):

@@ -10,6 +10,8 @@ from febkit.model import Component, InputError, values
 from febkit.model.species import Species, find, solid_bound, solutes
 from febkit.solver import (
     diffusivities,
+    membrane_rates,
+    membrane_reactions,
     osmotic_coefficients,
     permeabilities,
     physics,
@@ -54,8 +56,6 @@ class _Reader:
 
     def mixture(self) -> Mixture | None:
         ctx, spec, part = self.ctx, self.spec, self.part
-        if spec.all("membrane_reaction"):
-            ctx.refuse("<membrane_reaction>", spec.need("membrane_reaction").where)
         self.named = [self._ref(c, "sol", self.all_solutes, "solute") for c in spec.all("solute")]
         bound = spec.all("solid_bound")
         self.bound_named = [self._ref(c, "sbm", self.all_bound, "solid-bound molecule") for c in bound]
@@ -66,6 +66,7 @@ class _Reader:
         taken = tuple(self._solute(c, s) for c, s in zip(spec.all("solute"), self.named))
         made = tuple(self._bound(c, s) for c, s in zip(bound, self.bound_named))
         done = tuple(r for r in (self._reaction(c) for c in spec.all("reaction")) if r is not None)
+        crossing = tuple(r for r in (self._membrane(c) for c in spec.all("membrane_reaction")) if r is not None)
         supply_law = None if supply is None else law(ctx, supply, supplies, part)
         if len(ctx.refused) > self.refused:
             return None
@@ -75,7 +76,8 @@ class _Reader:
             perm, osmotic, taken, R, T, Fc,
             ctx.value(spec.child("phi0"), 0.0, part),
             ctx.value(spec.child("fixed_charge_density"), 0.0, part), spec.float("penalty", 1.0),
-            self.kind == "biphasic-solute", supply_law, made, done, len(self.all_solutes), len(self.all_bound),
+            self.kind == "biphasic-solute", supply_law, made, done, crossing, len(self.all_solutes),
+            len(self.all_bound),
         )  # fmt: skip
 
     def _ref(self, c: Component, attribute: str, species: tuple[Species, ...], what: str) -> Species:
@@ -191,6 +193,73 @@ class _Reader:
         except ValueError as e:
             raise InputError(f"{c.what}: {e}", c.where) from None
 
+    def _membrane(self, c: Component) -> Any:
+        """A reaction of a shell with what is on its faces: e in front, i behind."""
+        ctx = self.ctx
+        if c.type is None or not membrane_reactions.known(c.type):
+            ctx.refuse(f'<membrane_reaction type="{c.type}">', c.where)
+            return None
+        rates = ["forward_rate", "reverse_rate"] if "reversible" in c.type else ["forward_rate"]
+        ctx.check_tags(c, {"Vbar", "override_vbar", "vR", "vP", "vRe", "vPe", "vRi", "vPi", *rates})
+        v = [self._stoichiometry(c, tag) for tag in ("vR", "vP")]
+        out = [np.array([self._outside(c, f"v{s}{side}") for side in "ei"]) for s in "RP"]
+        net, outside = v[1] - v[0], (out[1] - out[0]).sum(axis=0)
+        species = [*zip(net, (*self.named, *self.bound_named)), *zip(outside, self.all_solutes)]
+        charge = sum(n * s.charge for n, s in species)
+        if charge:
+            raise InputError(f"{c.what} makes a net charge of {charge:+g}: it must be neutral", c.where)
+        leaf, volume = c.child("Vbar"), float(sum(n * s.molar_mass / s.density for n, s in species))
+        read = [self._membrane_rate(c.need(tag)) for tag in rates]
+        if any(r is None for r in read):
+            return None
+        make: Any = membrane_reactions.load(c.type)
+        charges = np.array([float(s.charge) for s in self.all_solutes])
+        return make(
+            *v, volume if leaf is None else leaf.as_float(), *read, reactants_outside=out[0], products_outside=out[1],
+            charges=charges,
+        )  # fmt: skip
+
+    def _membrane_rate(self, c: Component) -> Any:
+        """A rate; that of ion channels knows its ion's charge, and the model's constants."""
+        out = law(self.ctx, c, membrane_rates, self.part, self._crossing)
+        if hasattr(out, "z"):
+            ion = self.all_solutes[out.sol]
+            if not ion.charge:
+                raise InputError(f'<{c.tag} type="{c.type}">: the solute "{ion.name}" is no ion', c.where)
+            Fc = float(self.ctx.model.constants.get("Fc", 0.0))
+            if Fc <= 0.0:
+                raise InputError(f"{c.what} needs a positive <Fc> in <Globals><Constants>", c.where)
+            out.z, out.RT, out.Fc = float(ion.charge), self._constant("R") * self._constant("T"), Fc
+        return out
+
+    def _crossing(self, c: Component) -> Any:
+        """What rates of membrane reactions read that is no number: a solute of the model, a bound molecule."""
+        if c.tag == "sol":
+            return find(self.all_solutes, c.text.strip(), "solute", c.where).index
+        if c.tag == "sbm":
+            s = find(self.all_bound, c.text.strip(), "solid-bound molecule", c.where)
+            if s not in self.bound_named:
+                raise InputError(f'<sbm>: the solid-bound molecule "{s.name}" is not in {self.spec.what}', c.where)
+            return self.bound_named.index(s)
+        return None
+
+    def _outside(self, c: Component, tag: str) -> np.ndarray:
+        """Coefficients (M,) of the model's solutes on a face."""
+        out = np.zeros(len(self.all_solutes))
+        for leaf in c.all(tag):
+            s = self._species(leaf)
+            if s not in self.all_solutes:
+                raise InputError(f'<{tag}>: "{s.name}" is bound to the solid, not a solute', leaf.where)
+            out[s.index] = self._coefficient(leaf, tag)
+        return out
+
+    @staticmethod
+    def _coefficient(leaf: Component, tag: str) -> int:
+        n = (leaf.child(tag) or leaf).as_int()
+        if n < 0:
+            raise InputError(f"<{tag}> must not be negative, not {n}", leaf.where)
+        return n
+
     def _stoichiometry(self, c: Component, tag: str) -> np.ndarray:
         """Coefficients (m + b,) of the material's solutes and solid-bound molecules."""
         everyone = [*self.named, *self.bound_named]
@@ -199,10 +268,7 @@ class _Reader:
             s = self._species(leaf)
             if s not in everyone:
                 raise InputError(f'<{tag}>: "{s.name}" is not in {self.spec.what}', leaf.where)
-            n = (leaf.child(tag) or leaf).as_int()
-            if n < 0:
-                raise InputError(f"<{tag}> must not be negative, not {n}", leaf.where)
-            out[everyone.index(s)] = n
+            out[everyone.index(s)] = self._coefficient(leaf, tag)
         return out
 
     def _species(self, leaf: Component) -> Species:

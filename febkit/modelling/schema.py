@@ -59,6 +59,7 @@ def mixture_laws() -> tuple[Any, ...]:
     """Registries of the laws of fluids and solutes."""
     from febkit.solver import (
         diffusivities,
+        membrane_rates,
         osmotic_coefficients,
         permeabilities,
         reaction_rates,
@@ -67,7 +68,7 @@ def mixture_laws() -> tuple[Any, ...]:
         supplies,
     )
 
-    solutes = diffusivities, solubilities, osmotic_coefficients, solute_supplies, reaction_rates
+    solutes = diffusivities, solubilities, osmotic_coefficients, solute_supplies, reaction_rates, membrane_rates
     return permeabilities, supplies, *solutes
 
 

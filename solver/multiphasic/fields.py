@@ -17,6 +17,7 @@ from ..solubilities.base import Solubility
 from .flow import diffusivities, flow
 from .material import Mixture
 from .partition import partition
+from .sides import Sides
 from .solution import Solution
 
 #: arrays that a step changes and a failed step gives back
@@ -59,6 +60,7 @@ class Fields:
         self.density = np.array([s.density for s in mix.solid_bound])
         self.phi0 = zeros()
         self.fixed = np.zeros((n, m), bool)
+        self.sides = Sides.of(n, mix.model_solutes) if mix.membrane else None
         self.memory = {id(k): zeros() for r in mix.reactions for k in r.rates if k.remembers}
         self._solid_volume(slice(None), pts)
         self.phi0_start = self.phi0.copy()
@@ -77,14 +79,14 @@ class Fields:
         self.end = 1.0
         mix = self.mix
         varies = any(type(s.solubility).slopes is not Solubility.slopes for s in mix.solutes)
-        self.settles = varies or mix.binds or bool(mix.reactions and mix.solid_bound) or bool(self.fixed.any())
+        self.settles = varies or mix.binds or bool(mix.every_reaction and mix.solid_bound) or bool(self.fixed.any())
 
     def solution(self, q: slice) -> Solution:
         """The solution at the points ``q`` (views)."""
         return Solution(
             self.mix.z, self.c[q], self.ca[q], self.kappa[q], self.dkdJ[q], self.dkdc[q], self.phi0[q], self.cF[q],
             self.bound[q], self.molar, self.charge, self.density, self.fixed[q],
-            {k: v[q] for k, v in self.memory.items()},
+            {k: v[q] for k, v in self.memory.items()}, None if self.sides is None else self.sides.part(q),
         )  # fmt: skip
 
     # ---- the state ------------------------------------------------------------------------------------
@@ -101,7 +103,7 @@ class Fields:
     def _evaluate(self, q: slice, pts: Points, values: Floats, now: Instant | None) -> None:
         mix, sol = self.mix, self.solution(q)
         self.J[q] = pts.J
-        if now is not None and mix.solid_bound and mix.reactions:
+        if now is not None and mix.solid_bound and mix.every_reaction:
             self._react(q, pts, sol, now)
         self._solid_volume(q, pts)
         self.p[q], self.gp[q] = values[:, 0, 0], values[:, 1:, 0]
@@ -120,7 +122,11 @@ class Fields:
         out = np.zeros_like(sol.bound)
         for r in self.mix.reactions:
             out += r.supply(pts, sol)[:, None] * r.net[sol.m :]
-        return out * (pts.J - sol.phi0)[:, None] * self.molar
+        out *= (pts.J - sol.phi0)[:, None]
+        for r in self.mix.membrane:
+            assert sol.sides is not None
+            out += (r.supply(pts, sol) * pts.J / sol.sides.h)[:, None] * r.net[sol.m :]
+        return out * self.molar
 
     def _react(self, q: slice, pts: Points, sol: Solution, now: Instant) -> None:
         self.rate[q] = self._production(pts, sol)
@@ -225,7 +231,7 @@ class Fields:
         mix, fluid, made = self.mix, np.zeros(pts.n), np.zeros_like(sol.c)
         if mix.supply is not None:
             mix.supply.supply(pts, self.p[q], fluid, None, None)
-        for r in mix.reactions:
+        for r in mix.every_reaction:  # those of a membrane by the porosity too, as FEBio takes them
             zeta = phi * r.supply(pts, sol)
             fluid += r.Vbar * zeta
             made += zeta[:, None] * r.net[: sol.m]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..law import Floats
+from ..membrane_reactions.base import MembraneReaction
 from ..osmotic_coefficients.base import OsmoticCoefficient
 from ..permeabilities.base import Permeability
 from ..reactions.base import Reaction
@@ -23,7 +24,8 @@ class Mixture:
     R, T, Fc: gas constant, temperature, Faraday constant; phi0: referential volume fraction of the solid without its
     bound molecules; fixed_charge: referential fixed charge density per fluid volume; penalty: weight of the current
     density in every solute's balance (FEBio's ``penalty``: charge is conserved the more firmly). ``neutral``: charge
-    numbers play no part (biphasic-solute). model_solutes, model_bound: how many the model has, of which these are some.
+    numbers play no part (biphasic-solute). model_solutes, model_bound: how many the model has, of which
+    these are some. ``membrane``: reactions with what is on the faces of a shell.
     """
 
     permeability: Permeability
@@ -39,6 +41,7 @@ class Mixture:
     supply: Any = None
     solid_bound: tuple[SolidBound, ...] = ()
     reactions: tuple[Reaction, ...] = ()
+    membrane: tuple[MembraneReaction, ...] = ()
     model_solutes: int = 0
     model_bound: int = 0
 
@@ -50,6 +53,11 @@ class Mixture:
     def z(self) -> Floats:
         """Charge numbers (m,), zero in a neutral mixture."""
         return np.array([0.0 if self.neutral else float(s.charge) for s in self.solutes])
+
+    @cached_property
+    def every_reaction(self) -> tuple[Reaction, ...]:
+        """Those inside the mixture, and those with what is on its faces."""
+        return (*self.reactions, *self.membrane)
 
     @cached_property
     def volumes(self) -> Floats:

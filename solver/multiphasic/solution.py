@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .sides import Sides
+
 Floats = NDArray[np.float64]
 
 
@@ -19,7 +21,7 @@ class Solution:
     referential solid volume fraction, solid-bound molecules included; cF (n,) fixed charge density per fluid
     volume; bound (n, b) referential apparent densities of solid-bound molecules, molar (b,) their molar masses,
     bound_charge (b,) charge numbers, bound_density (b,) true densities; fixed (1|n, m): solutes that do not diffuse,
-    which belong to the solid; memory: what rate laws remember of each point.
+    which belong to the solid; memory: what rate laws remember of each point; sides: what is on the faces of a membrane.
     """
 
     z: Floats
@@ -36,6 +38,7 @@ class Solution:
     bound_density: Floats
     fixed: NDArray[np.bool_]
     memory: dict[int, Floats] = field(default_factory=dict)
+    sides: Sides | None = None
 
     @property
     def m(self) -> int:
@@ -44,6 +47,11 @@ class Solution:
     def bound_concentration(self, J: Floats) -> Floats:
         """Concentrations of solid-bound molecules per fluid volume (n, b): rho_r / ((J - phi0) M)."""
         return self.bound / (J - self.phi0)[:, None] / self.molar
+
+    def areal_concentration(self, J: Floats) -> Floats:
+        """Moles of solid-bound molecules per area of a membrane (n, b): rho_r h / (J M)."""
+        assert self.sides is not None
+        return self.bound * (self.sides.h / J)[:, None] / self.molar
 
     def by_concentration(self, i: int) -> Floats:
         """Derivatives of ca_i by all effective concentrations (n, m): kappa_i delta_ij + c_i dkappa_i/dc_j."""

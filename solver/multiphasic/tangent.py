@@ -84,7 +84,7 @@ class _Tangent:
         """zeta (n,), its derivatives by J (n,) and c (n, m) of each reaction."""
         pts, sol = self.pts, self.sol
         self.reactions = [
-            (r, r.supply(pts, sol), r.by_J(pts, sol), r.by_concentration(pts, sol)) for r in self.mix.reactions
+            (r, r.supply(pts, sol), r.by_J(pts, sol), r.by_concentration(pts, sol)) for r in self.mix.every_reaction
         ]
 
     # ---- rows ---------------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ from .steadied import Steadied
 
 if TYPE_CHECKING:
     from ..group import Chunk, Group
+    from ..multiphasic.membrane import Faces
     from ..state import State
     from ..tangent import Target, Workspace
 
@@ -46,6 +47,11 @@ class MultiphasicWork(StandardWork):
         self.started = False
         self.scalars = group.columns[DISPLACEMENT.width :]
         self.steadied = Steadied(group)
+        self.faces: Faces | None = None
+        if self.mix.membrane:
+            from ..multiphasic.membrane import Faces
+
+            self.faces = Faces(group)
 
     def symmetric(self, steady: bool) -> bool:
         return False
@@ -87,6 +93,8 @@ class MultiphasicWork(StandardWork):
     def _evaluate(self, lo: int, hi: int, state: State, now: Instant | None) -> None:
         q, pts = self._at(lo, hi, state)
         nodal = state.d[:, self.scalars][self.group.conn[lo:hi]]
+        if self.faces is not None and self.at.sides is not None:
+            self.faces.see(slice(lo, hi), state, self.at.sides.part(q))
         self.at.update(q, pts, at_points(self._operators(lo, hi), nodal), now)
 
     def _stress(self, q: slice) -> Floats:
@@ -120,6 +128,10 @@ class MultiphasicWork(StandardWork):
             target.add(g, lo, hi, K)
 
     # ---- steps --------------------------------------------------------------------------------------
+    def start(self, state: State) -> None:
+        if not self.started:
+            self._evaluate(0, self.group.m, state, None)
+
     def begin_step(self, state: State) -> None:
         g = self.group
         _, pts = self._at(0, g.m, state)

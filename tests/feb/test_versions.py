@@ -67,6 +67,20 @@ def test_what_a_version_cannot_say_is_listed():
     assert len(notes) == 2 and any("load controller 1" in n for n in notes) and any("units" in n for n in notes)
 
 
+def test_the_thickness_of_shells_is_element_data_in_version_3():
+    """FEBio 4.11 leaves <shell_thickness> unused in files of version 3.0."""
+    model = read(FILES["4.0"])
+    shell = (b'<Elements type="quad4" name="skin"><elem id="901">1,2,3,4</elem></Elements></Mesh>',
+             b'<ShellDomain name="skin" mat="m"><shell_thickness>0.02</shell_thickness></ShellDomain></MeshDomains>')
+    data = to_bytes(model, "4.0")[0].replace(b"</Mesh>", shell[0]).replace(b"</MeshDomains>", shell[1])
+    model = read_bytes(data)
+    old, _ = to_bytes(model, "3.0")
+    assert b"<shell_thickness>" not in old
+    assert b'<ElementData var="shell thickness" elem_set="skin">' in old
+    assert b'<e lid="1">0.02,0.02,0.02,0.02</e>' in old
+    assert diff(model, read_bytes(old)) == []
+
+
 def test_steps_survive_the_way_down_and_up():
     text = FILES["4.0"].read_text()
     control = text[text.index("<Control>"):text.index("</Control>") + 10]

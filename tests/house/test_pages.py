@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 KINDS = (
     "solids", "permeabilities", "supplies", "diffusivities", "solubilities", "osmotic_coefficients", "solute_supplies",
-    "reactions", "reaction_rates", "loads",
+    "reactions", "reaction_rates", "membrane_reactions", "membrane_rates", "loads",
 )  # fmt: skip
 
 

@@ -221,10 +221,14 @@ def test_what_is_behind_is_fixed_and_prescribed_by_old_types(tmp_path: Path) -> 
 
 def test_initial_values_behind(tmp_path: Path) -> None:
     start = ic("shell fluid pressure", 0.3) + ic("shell concentration", 4, "d3") + ic("concentration", 2, "c3")
-    first = solve(plate(SOLUTE_IN_FRONT, start, module="solute", analysis="TRANSIENT"), tmp_path).isel(time=0)
+    log = '<logfile><element_data data="p" file="p.csv" delim=","/></logfile></Output>'
+    text = plate(SOLUTE_IN_FRONT, start, module="solute", analysis="TRANSIENT").replace("</Output>", log)
+    first = solve(text, tmp_path).isel(time=0)
     assert (first["effective_shell_fluid_pressure"].values == np.float32(0.3)).all()
     assert (first["effective_shell_solute_concentration_Glc"].values == 4).all()
     np.testing.assert_allclose(first["fluid_pressure"].values, 0.15 + R * T * 3.0, rtol=1e-6)
+    logged = float((tmp_path / "p.csv").read_text().splitlines()[3].split(",")[1])
+    assert logged == pytest.approx(0.15 + R * T * 3.0)
 
 
 @pytest.mark.parametrize("bottom", [0, 1])

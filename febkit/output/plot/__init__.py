@@ -42,7 +42,7 @@ FILES: dict[str, tuple[str, ...]] = {
     "fibers": ("material axes", "fiber vector", "fiber stretch", "deviatoric fiber stretch"),
     "shells": (
         "shell displacement", "nodal shell director", "effective shell fluid pressure",
-        "effective shell solute concentration", "shell director", "shell thickness",
+        "effective shell solute concentration", "shell director", "shell thickness", "sbm areal concentration",
     ),
     "shell_faces": (
         "shell relative volume", "shell strain", "shell top stress", "shell bottom stress", "shell top strain",
@@ -98,6 +98,7 @@ ARRAYS = {
     "effective solute concentration": "solute", "solute concentration": "solute", "partition coefficient": "solute",
     "solute flux": "solute", "solute volumetric flux": "solute", "concentration gap": "solute",
     "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
+    "sbm areal concentration": "solid_bound",
 }  # fmt: skip
 
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.model.species import solutes
+from febkit.model.species import solid_bound, solutes
 from febkit.solver.fields import PRESSURE, concentration
 
-from .base import Floats, Part, View, register, shared
+from .base import Floats, Part, View, mean, register, shared
 
 Ints = NDArray[np.int64]
 
@@ -41,22 +41,20 @@ def directors(view: View) -> Floats:
     return np.where((back >= 0)[:, None], view.state.x[: len(back)] - view.state.x[back], 0.0)
 
 
-def _behind(part: Part, field: str) -> Floats | None:
-    """A nodal field (node,) behind the nodes of a shell that solves for it."""
-    if not part.shell or part.group is None or field not in part.group.fields:
-        return None
-    return part.state.layout.scalar(part.state.d, field)[behind(part.view)[part.mesh.nodes()]]
-
-
 def pressure(part: Part) -> Floats | None:
-    """Effective fluid pressure behind."""
-    return _behind(part, PRESSURE.name)
+    """Effective fluid pressure behind the nodes of a shell that solves for it (node,)."""
+    if not part.shell or part.group is None or PRESSURE.name not in part.group.fields:
+        return None
+    return part.state.layout.scalar(part.state.d, PRESSURE.name)[behind(part.view)[part.mesh.nodes()]]
 
 
 def solute(part: Part, named: str = "") -> Floats | None:
-    """Effective concentration behind of the solute of this name, or of this number from 0."""
-    found = [s for s in solutes(part.view.model) if named in (s.name, str(s.index))]
-    return _behind(part, concentration(found[0].index + 1).name) if found else None
+    """Effective concentration behind of the solute of this name, or of this number from 0; of solids that have it too,
+    zero at nodes that nothing is behind."""
+    found = [concentration(s.index + 1).name for s in solutes(part.view.model) if named in (s.name, str(s.index))]
+    if not found or part.group is None or found[0] not in part.group.fields:
+        return None
+    return of_nodes(part.view, part.state.layout.scalar(part.state.d, found[0]))[part.mesh.nodes()]
 
 
 def at_elements(part: Part) -> Floats | None:
@@ -70,9 +68,22 @@ def thickness(part: Part) -> Floats | None:
     return None if d is None else np.asarray(np.linalg.norm(d, axis=-1))
 
 
+def areal(part: Part) -> Floats | None:
+    """Moles of solid-bound molecules per area of a shell (m, g, solid-bound molecule of the model): rho_r h / (J M)."""
+    bound = part.at_points("sbm referential apparent density") if part.shell else None
+    h = thickness(part)
+    if bound is None or h is None:
+        return None
+    g, n = part.g, part.g.n // 2
+    M = g.N[:, :n] + g.N[:, n:]
+    molar = np.array([s.molar_mass for s in solid_bound(part.view.model)])
+    return np.asarray(bound * ((h @ M.T) / g.J)[..., None] / molar)
+
+
 register("shell displacement", lambda view: of_nodes(view, view.state.u))
 register("nodal shell director", directors)
 register("effective shell fluid pressure", pressure)
 register("effective shell solute concentration", solute, more=True)
 register("shell director", at_elements)
 register("shell thickness", thickness)
+register("sbm areal concentration", mean(areal))
