@@ -30,6 +30,10 @@ class ElementFailure(RuntimeError):
     """An element that cannot go on; the message names it, its part and why."""
 
 
+class Impossible(ElementFailure):
+    """What no smaller step would help."""
+
+
 class NegativeJacobian(ElementFailure):
     """An element turned inside out; ``element`` is its label, ``part`` its block."""
 
@@ -74,7 +78,8 @@ class Group:
         self.F = np.tile(np.eye(3), (m, g, 1, 1))
         self.J = np.ones((m, g))
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
-        self.chunks = self._cut(chunk)
+        self.alive, self._size = np.ones(m, bool), chunk  # elements that were not eroded
+        self.chunks = self._cut()
         self.set_history(history.initial(block.solid, m * g))
         self._grows = history.grows(block.solid)
         self.physics = block.physics.open(self)
@@ -92,16 +97,39 @@ class Group:
             return None
         return np.repeat(Q, self.g, axis=0) if Q.ndim == 3 else Q.reshape(-1, 3, 3)
 
-    def _cut(self, size: int) -> list[Chunk]:
+    def _cut(self) -> list[Chunk]:
+        """Chunks of elements that are there."""
         F, J, g, Q = self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.g, self._axes()
-        pieces, out = max(1, -(-self.m // size)), []
-        for i in range(pieces):
-            lo, hi = self.m * i // pieces, self.m * (i + 1) // pieces
-            q = slice(lo * g, hi * g)
-            pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
-            pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
-            out.append(Chunk(lo, hi, pts))
+        out = []
+        for first, end in self._runs():
+            pieces = max(1, -(-(end - first) // self._size))
+            for i in range(pieces):
+                lo, hi = (first + (end - first) * k // pieces for k in (i, i + 1))
+                q = slice(lo * g, hi * g)
+                pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
+                pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
+                out.append(Chunk(lo, hi, pts))
         return out
+
+    def _runs(self) -> list[tuple[int, int]]:
+        """(first, one past the last) of elements in a row that are there."""
+        if self.alive.all():
+            return [(0, self.m)]
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], self.alive, [False]]).astype(np.int8)))
+        return list(zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True))
+
+    def erode(self, dead: NDArray[np.bool_]) -> None:
+        """Take elements (m,) away: they have no volume, and nothing of theirs changes any more."""
+        if dead.any():
+            self._keep(self.alive & ~dead)
+
+    def _keep(self, alive: NDArray[np.bool_]) -> None:
+        if self.alive.all():
+            self._whole = self.wJ0.copy()
+        self.alive = alive
+        self.wJ0[...] = np.where(alive[:, None], self._whole, 0.0)
+        self.chunks = self._cut()
+        self._share_history()
 
     def points(self) -> Points:
         """All integration points of the block as one batch (views)."""
@@ -131,6 +159,10 @@ class Group:
     def set_history(self, old: Floats) -> None:
         """Take ``old`` (m g, h) as the history of the last converged state."""
         self.old, self.new = old, old.copy()
+        self._share_history()
+
+    def _share_history(self) -> None:
+        """Chunks look at their parts of the histories."""
         for c in self.chunks:
             q = slice(c.lo * self.g, c.hi * self.g)
             c.points.old, c.points.new = self.old[q], self.new[q]
@@ -167,13 +199,15 @@ class Group:
             pts.t, pts.dt = state.time, state.dt
             self.set_history(history.begin(self.block.solid, pts))
 
-    def snapshot(self) -> dict[str, Floats]:
+    def snapshot(self) -> dict[str, Any]:
         """What a failed step must give back."""
-        own = {"J": self.J.copy(), "F": self.F.copy(), "history": self.new.copy()}
+        own = {"J": self.J.copy(), "F": self.F.copy(), "history": self.new.copy(), "alive": self.alive}
         return own | self.physics.snapshot()
 
-    def restore(self, saved: dict[str, Floats]) -> None:
+    def restore(self, saved: dict[str, Any]) -> None:
         self.J[...], self.F[...] = saved["J"], saved["F"]
+        if saved["alive"] is not self.alive:
+            self._keep(saved["alive"])
         self.physics.restore(saved)
         history.layout(self.block.solid)
         self.set_history(saved["history"].copy())

@@ -180,6 +180,8 @@ class Step:
     connectors: list[Connector] = field(default_factory=list)
     constraints: list[LinearConstraint] = field(default_factory=list)
     contacts: list[Any] = field(default_factory=list)  # see contact.base
+    adaptors: list[Any] = field(default_factory=list)  # see erosion
+    again: bool = True  # a time step is solved again once adaptors changed the mesh [adaptor_re_solve]
 
 
 @dataclass(eq=False)

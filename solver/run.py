@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ from .clock import Clock
 from .elements import LINES
 from .fields import DISPLACEMENT, Floats, Layout
 from .finite import NotFinite, check_parameters, check_state
-from .group import ElementFailure, Group
+from .group import ElementFailure, Group, Impossible
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
 from .options import Options
@@ -31,6 +31,7 @@ from .threads import Team
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from .erosion import Erosion
     from .rigid.bodies import Bodies
 
 
@@ -171,21 +172,17 @@ class Run:
         self._initial(step)
         if self.index == 0 and len(self.problem.steps) > 1:
             self._first_state()
-        self.system = System(self.problem, step, self.groups, s, self.schedule, self.bodies)
-        route = Route(self.system, self.options, self.team.n)
         try:
-            make, reuse = route.decide()
+            route = self._open()
         except LinearError as e:
             return str(e)
-        watch = lambda it: self.tell("iteration", it)  # noqa: E731
-        newton = Newton(self.system, make, watch, self.clock, reuse, self._newton_options())
-        self.totals.linear_solver = newton.inverse.solver.name
+        assert self.system is not None
         self._begin(step)
         try:
             self.stepper = stepper(step, s.time, self.options.accuracy)
         except ValueError as e:
             return str(e)
-        self.integrator = self._second_order(newton)
+        self.integrator = self._second_order(self.newton)
         self.stepper.first(s.time)
         if self.stepper.vanishing:
             return f"the first time step is {self.stepper.dt:g}, at time {s.time:g}"
@@ -200,14 +197,24 @@ class Run:
                 return f"the accelerations at the start: {e}"
         try:
             while self.stepper.end - s.time > abs(self.stepper.end) * 1e-7:
-                reason = self._time_step(newton)
+                reason = self._time_step()
                 if reason:
                     return reason
         finally:
-            self.totals.factor = dict(newton.inverse.solver.stats)
-            newton.close()
+            self.totals.factor = dict(self.newton.inverse.solver.stats)
+            self.newton.close()
         self._save("step")
         return ""
+
+    def _open(self) -> Route:
+        """The system of the analysis step and what solves it, for the elements that there are. Raises LinearError."""
+        self.system = System(self.problem, self.step, self.groups, self.state, self.schedule, self.bodies)
+        route = Route(self.system, self.options, self.team.n)
+        make, reuse = route.decide()
+        watch = lambda it: self.tell("iteration", it)  # noqa: E731
+        self.newton = Newton(self.system, make, watch, self.clock, reuse, self._newton_options())
+        self.totals.linear_solver = self.newton.inverse.solver.name
+        return route
 
     def _newton_options(self) -> NewtonOptions:
         """Those of the file; increments are as small as the error that steps of their own size may have."""
@@ -225,11 +232,11 @@ class Run:
             raise ValueError(why)
         return SecondOrder(self.state, self.groups, newton, self.options.accuracy)
 
-    def _time_step(self, newton: Newton) -> str:
+    def _time_step(self) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
-        before = StepState(s, [*self.groups, *self.system.acting, newton])
-        how = newton.usual
+        before = StepState(s, [*self.groups, *self.system.acting, self.newton])
+        how = self.newton.usual
         if self.integrator is not None:
             self.integrator.begin()
         while True:
@@ -239,12 +246,13 @@ class Run:
                 s.time = step.end
             self.tell("begin_step", self.count + 1, t)
             try:
-                counts, good = self._attempt(newton, how)
+                counts, good = self._attempt(how)
             except (NotConverged, NotFinite, ElementFailure, LinearError, np.linalg.LinAlgError) as e:
-                counts, why = newton.count, str(e)
+                counts, why = self.newton.count, str(e)
                 self._add(counts)
                 self.totals.lost += counts.iterations
-                before.restore()
+                self._give_back(before)
+                newton = self.newton
                 if how.stale:  # once more with tangents of its own, in all stages, before the step is cut
                     how = newton.fresh
                     continue
@@ -258,7 +266,7 @@ class Run:
                 continue
             self._add(counts)
             if not good:
-                before.restore()
+                self._give_back(before)
                 self.totals.retries += 1
                 self.totals.lost += counts.iterations
                 again = None if step.vanishing else step.dt
@@ -268,7 +276,7 @@ class Run:
                 continue
             self.count += 1
             self.totals.steps += 1
-            self.totals.guarded += how is newton.guarded
+            self.totals.guarded += how is self.newton.guarded
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
@@ -299,16 +307,54 @@ class Run:
         how = "halvings by guarded Newton steps beyond the file's retries," if step.beyond else "retries"
         return f", after {step.retries} {how} down to a step of {step.dt:g}"
 
-    def _attempt(self, newton: Newton, how: Strategy) -> tuple[Counts, bool]:
+    def _attempt(self, how: Strategy) -> tuple[Counts, bool]:
         """Solve the step to the present time; was its error small enough?"""
         if self.integrator is None:
             self._prepare()
-            return newton.step(how), True
+            return self._adapt(self.newton.step(how)), True
         s, dt = self.state, self.state.dt
         s.time -= dt
         counts, error = self.integrator.solve(dt, self._prepare, how)
         assert isinstance(self.stepper, ErrorSteps)
         return counts, self.stepper.judge(error)
+
+    def _adapt(self, counts: Counts) -> Counts:
+        """Have adaptors take elements away, and solve the step again from where it came, until they take no more."""
+        done, system = 0, self.system
+        assert system is not None
+        for a in self._adaptors:
+            a.changed.clear()
+        while any([a.apply(done, system) for a in self._adaptors]):  # noqa: C419 (all of them)
+            done += 1
+            self._reopen()
+            if not self.step.again:
+                break
+            assert self.system is not None
+            system = self.system
+            self._prepare()
+            more = self.newton.step()
+            counts = replace(counts, **{k: v + getattr(counts, k) for k, v in asdict(more).items()})
+        return counts
+
+    @property
+    def _adaptors(self) -> list[Erosion]:
+        return [*self.problem.common.adaptors, *self.step.adaptors]
+
+    def _reopen(self) -> None:
+        """Solve for the elements that there are now."""
+        self.newton.close()
+        self.schedule = Schedule(self.groups, self.team)
+        self._open()
+
+    def _give_back(self, before: StepState) -> None:
+        """All is as it was before the step."""
+        adaptors = self._adaptors
+        for a in adaptors:
+            assert self.system is not None
+            a.give_back(self.system)
+        before.restore()
+        if adaptors:
+            self._reopen()
 
     def _prepare(self) -> None:
         """The present state becomes the last converged one (FEBio's PrepStep)."""
@@ -361,7 +407,8 @@ def _group(block: Block, X: Floats, chunk: int, layout: Layout) -> Group:
 
 def _hopeless(e: Exception) -> bool:
     """Would a smaller step fail in the same way?"""
-    return (isinstance(e, LinearError) and not isinstance(e, Stalled)) or (isinstance(e, NotFinite) and e.given)
+    singular = isinstance(e, LinearError) and not isinstance(e, Stalled)
+    return singular or isinstance(e, Impossible) or (isinstance(e, NotFinite) and e.given)
 
 
 def run(problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> Result:

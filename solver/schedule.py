@@ -31,7 +31,7 @@ class Share:
         """(group, first element, one past the last) of the share, group by group."""
         out: list[tuple[Group, int, int]] = []
         for g, c in self.chunks:
-            if out and out[-1][0] is g:
+            if out and out[-1][0] is g and out[-1][2] == c.lo:
                 out[-1] = (g, out[-1][1], c.hi)
             else:
                 out.append((g, c.lo, c.hi))

@@ -32,6 +32,8 @@ def refusal(problem: Problem) -> str:
     """Why steps of second order make no sense for a problem; empty where they do."""
     if not problem.diffuses or any(s.analysis != TRANSIENT for s in problem.steps):
         return "steps of second order are for transient analyses of biphasic models and of those with solutes"
+    if any(s.adaptors for s in [problem.common, *problem.steps]):
+        return "steps of second order do not follow erosion"
     if problem.bodies:
         return "rigid bodies turn by steps of first order"
     if any(s.contacts for s in [problem.common, *problem.steps]):

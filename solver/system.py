@@ -121,7 +121,7 @@ class System:
         active, u = np.zeros(self.state.d.shape, bool), self.layout.displacement
         for g in self.groups:
             own = np.zeros(len(active), bool)
-            own[g.conn] = True
+            own[g.conn if g.alive.all() else g.conn[g.alive]] = True
             active[np.ix_(own, g.columns)] = True
         for a in self.acting:
             active[a.joins[:, None], u] = True

@@ -91,6 +91,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         from . import beams
 
         beams.check(ctx, blocks, common, steps)
+    if any(s.adaptors for s in (common, *steps)) and not ctx.refused:
+        from . import adaptors
+
+        adaptors.owners(ctx, [common, *steps])
     _midpoint(ctx, blocks, steps)
     _end(ctx, steps)
     if not steps:
@@ -150,8 +154,11 @@ def _whole_sections(ctx: Context) -> None:
     if m.module not in MODULES:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
-        for c in (*step.constraints, *step.adaptors):
-            if c.tag != "constraint" or c.type not in CONSTRAINTS:
+        for c in step.adaptors:
+            if c.type != "erosion":
+                ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
+        for c in step.constraints:
+            if c.type not in CONSTRAINTS:
                 ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     for c in m.unknown:
         if c.tag == "Globals":
@@ -191,6 +198,11 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
             from . import ties
 
             ties.condition(ctx, out, c)
+    for c in spec.adaptors:
+        if c.type == "erosion":
+            from . import adaptors
+
+            out.adaptors.append(adaptors.erosion(ctx, c))
     if spec.contact:
         from .contact import contacts
 

@@ -209,7 +209,7 @@ def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, of
     if ctx.refused:
         return out
     if penalty:
-        _owners(ctx, out)
+        find_owners(ctx, out)
     if offset:
         out.offset = _half_thickness(ctx)
     if c.bool(f"shell_bottom_{which}"):
@@ -236,7 +236,7 @@ def behind(ctx: Context, c: Component, conns: dict[str, np.ndarray]) -> dict[str
     from febkit.solver.contact.surface import Facets
 
     out = Facets(conns)
-    _owners(ctx, out)
+    find_owners(ctx, out)
     for kind, owner in out.owner.items():
         if not ctx.refused and (owner < 0).any():
             name, row = c.attrs.get("surface", ""), int(np.argmax((owner < 0).any(axis=1)))
@@ -244,7 +244,7 @@ def behind(ctx: Context, c: Component, conns: dict[str, np.ndarray]) -> dict[str
     return out.owner
 
 
-def _owners(ctx: Context, out: Any) -> None:
+def find_owners(ctx: Context, out: Any) -> None:
     """Find the element behind each facet: a shell where there is one, else the first in the order of <MeshDomains>."""
     wanted: dict[tuple[str, tuple[int, ...]], list[int]] = {}
     for kind, conn in out.conn.items():

@@ -60,6 +60,7 @@ def step(ctx: Context, control: Component, out: Step) -> None:
     if ctx.model.module == "solute":  # FEBio's solver for one neutral solute has these as they are
         out.newton.positive = out.newton.diverge_reform = True
     out.saving = _saving(control)
+    out.again = control.bool("adaptor_re_solve", True)
 
 
 def _times(c: Component, out: Step) -> None:

@@ -184,9 +184,11 @@ class Contact(Action):
     two_pass: bool = field(default=False, kw_only=True)  # both surfaces act as primary ones
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
+    erodes: ClassVar[bool] = False  # it goes on once facets are taken away (:mod:`..erosion`)
     drains: ClassVar[bool] = False  # ``drained(state)``: nodes held at ``ambient(state)``, by field
 
     def __post_init__(self) -> None:
+        self.eroded = False  # are the surfaces no longer those of the model?
         self.penalty = as_value(self.penalty)
         self.sides: list[Side] = []
 

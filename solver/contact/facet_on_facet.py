@@ -44,6 +44,7 @@ class FacetOnFacet(Contact):
     seg_up: int = 0
     tolerance: float = 0.01
     side: ClassVar[type[Side]] = ClosestSide
+    erodes: ClassVar[bool] = True
     written: ClassVar[float] = -1.0  # sign of the tractions that FEBio writes
 
     def __post_init__(self) -> None:

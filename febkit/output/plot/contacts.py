@@ -34,7 +34,7 @@ def sides(face: Face, name: str = "") -> tuple[Contact, Side] | None:
     for contact, spec in zip(acting, specs, strict=False):
         for own, side in zip(contact.names, contact.sides, strict=False):
             if own == face.name and name in ("", spec.name):
-                return contact, side
+                return None if contact.eroded else (contact, side)
     return None
 
 

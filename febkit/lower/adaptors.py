@@ -1,0 +1,76 @@
+"""<MeshAdaptor>: elements that are eroded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from febkit.model import Component
+from febkit.model.sets import element_ids
+from febkit.solver import erosion as records
+from febkit.solver.problem import Step
+
+from .context import Context
+
+SURFACES = {k: k for k in ("no", "yes", "grow", "reconstruct")}
+SURFACES |= {str(i): k for i, k in enumerate(("no", "yes", "grow", "reconstruct"))}
+METRICS = ("von Mises stress", "largest deviatoric stress")  # by <metric>
+MEASURES = ("stress", "damage", "relative volume")
+
+
+def erosion(ctx: Context, c: Component) -> records.Erosion:
+    """<mesh_adaptor type="erosion">."""
+    ctx.check_tags(c, {"max_iters", "max_elems", "sort", "remove_islands", "erode_surfaces", "criterion"})
+    surfaces = c.choice("erode_surfaces", SURFACES, "yes")
+    if surfaces in ("no", "reconstruct"):
+        ctx.refuse(f"<erode_surfaces>{surfaces}</erode_surfaces>", c.need("erode_surfaces").where)
+    where = c.attrs.get("elem_set", "")
+    own: dict[str, np.ndarray] | None = None
+    if where:
+        ids = element_ids(ctx.model.mesh, where, c.where)
+        own = {b.name: np.flatnonzero(np.isin(b.ids, ids)) for b in ctx.made}
+    return records.Erosion(
+        _criterion(ctx, c.need("criterion")), c.int("max_iters", -1), c.int("max_elems", 0), c.int("sort", 0),
+        c.bool("remove_islands"), own, surfaces == "grow",
+    )  # fmt: skip
+
+
+def owners(ctx: Context, steps: list[Step]) -> None:
+    """Surfaces in contact know the elements behind their facets."""
+    from .contact import find_owners
+
+    for contact in (q for s in steps for q in s.contacts):
+        for side in (contact.primary, contact.secondary):
+            if not side.owner:
+                find_owners(ctx, side)
+
+
+def _criterion(ctx: Context, c: Component) -> records.Criterion:
+    """What <criterion> selects. One that has a value for every element selects them all, as in FEBio."""
+    if c.type == "min-max filter":
+        ctx.check_tags(c, {"min", "max", "clamp", "data"})
+        measure = _measure(ctx, c.need("data"))
+        return records.Range(measure, c.float("min", -1e37), c.float("max", 1e37), c.bool("clamp", True))
+    if c.type in MEASURES:
+        return records.Range(_measure(ctx, c))
+    if c.type == "element_selection":
+        ctx.check_tags(c, {"value", "element_list"})
+        return records.Listed(np.array(c.need("element_list").as_floats(), np.int64))
+    if c.type == "contact gap":
+        ctx.check_tags(c, {"gap"})
+        return records.Overlap(c.float("gap", 0.0))
+    ctx.refuse(f'<{c.tag} type="{c.type}"> of <mesh_adaptor>', c.where)
+    return records.Listed(np.zeros(0, np.int64))
+
+
+def _measure(ctx: Context, c: Component) -> Callable[..., records.Floats | None]:
+    """What is measured at integration points."""
+    if c.type not in MEASURES:
+        ctx.refuse(f'<{c.tag} type="{c.type}"> of <mesh_adaptor>', c.where)
+        return records.relative_volume
+    ctx.check_tags(c, {"metric"} if c.type == "stress" else set())
+    name = c.type
+    if name == "stress":
+        name = METRICS[c.choice("metric", {"0": 0, "1": 1}, 0)]
+    return records.MEASURES[name]
