@@ -34,6 +34,7 @@ from febkit.model import (
     Where,
     as_record,
 )
+from febkit.model.elements import domain
 from febkit.results.cells import FACETS, FEBIO, INVERSE, KEPT, LINES, MESHIO, ORDER, SOLIDS
 
 Path_ = str | os.PathLike[str]
@@ -151,7 +152,7 @@ def to_model(mesh: meshio.Mesh, file: str = "") -> Model:
             element_sets=_element_sets(mesh, elements, blocks),
         ),
         materials=(stub("material1", 1),),
-        domains=tuple(Domain(b.name, _kind(b.type), "material1") for b in blocks),
+        domains=tuple(Domain(b.name, domain(b.type), "material1") for b in blocks),
         steps=(Step(control=control_stub()),),
         output=Output(plot=(PlotVariable("displacement"), PlotVariable("stress"))),
         file=file,
@@ -169,10 +170,6 @@ def control_stub() -> Component:
     """A static step of ten equal parts of a unit of time."""
     values = (("analysis", "STATIC"), ("time_steps", "10"), ("step_size", "0.1"))
     return Component("Control", children=tuple(Component(tag, text=text) for tag, text in values))
-
-
-def _kind(type_: str) -> str:
-    return "solid" if type_ in SOLIDS else "shell" if type_ in FACETS else "beam"
 
 
 def _kept(at: np.ndarray, nodes: Any) -> np.ndarray:

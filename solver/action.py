@@ -23,13 +23,15 @@ NOWHERE = np.zeros(0, np.int64)
 
 
 class Action:
-    """``alpha``: weight of the step's end in forces taken within it, set by the system of an analysis step.
+    """``alpha``: weight of the step's end in forces taken within it; ``steady``: the analysis is a steady state. The
+    system of an analysis step sets both.
 
     A load has ``residual(state, R)``; a body load has the groups it may act on besides, and a contact is updated
     (:mod:`.loads.body`, :mod:`.contact.base`).
     """
 
     alpha: float = 1.0
+    steady: bool = False
 
     @property
     def symmetric(self) -> bool:

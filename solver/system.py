@@ -62,6 +62,8 @@ class System:
         self.rotations = self._turn()
         self.dynamic = step.analysis == DYNAMIC
         self.steady = step.analysis == STEADY
+        for a in self.acting:
+            a.steady = self.steady
         self._begin_conditions()
         self.symmetric = self._symmetric()
         self.carriers = [*groups, *bodies.parts] if bodies is not None else groups  # what body loads act on

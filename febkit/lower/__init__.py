@@ -183,7 +183,7 @@ def _step(ctx: Context, spec: ModelStep) -> Step:
 def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     out.conditions = conditions.conditions(ctx, spec.boundary)
     out.initial = conditions.initial(ctx, spec.initial)
-    out.loads, out.body_loads = loads.loads(ctx, spec.loads, out.analysis)
+    out.loads, out.body_loads = loads.loads(ctx, spec.loads)
     rigid.fill(ctx, out, spec)
     for c in spec.rigid:
         if c.tag == "rigid_connector":

@@ -12,7 +12,7 @@ from febkit.solver.rigid import connectors as between
 from febkit.solver.rigid import joints
 
 from . import rigid
-from .context import Context
+from .context import METHODS, Context
 
 #: kind -> class, and tags with the fields they fill: numbers that may follow a curve, points, flags
 KINDS: dict[str, tuple[Any, dict[str, str], tuple[str, ...], tuple[str, ...]]] = {
@@ -39,7 +39,6 @@ KINDS: dict[str, tuple[Any, dict[str, str], tuple[str, ...], tuple[str, ...]]] =
         ("prescribed_rotation", "prescribed_translation_1", "prescribed_translation_2"),
     ),
 }  # fmt: skip
-METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
 SIZES = ("tolerance", "gaptol", "angtol", "force_penalty", "moment_penalty")
 DAMPING = ("force_damping", "moment_damping")
 TURNS, MOMENTS = tuple(f"rotation_{k}" for k in "xyz"), tuple(f"moment_{k}" for k in "xyz")

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .rigid import Body
 
 Controller = Callable[[float], float]
+METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}  # of <laugon>, how a constraint is held
 FACETS = "@facets:"  # marks a surface whose facets a map may follow
 _PARAMETER = re.compile(r"fem\.material\('([^']+)'\)\.([\w.]+)")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from febkit.model import Component, InputError, Where, values
+from febkit.model import Component, InputError, Where, ranges, values
 from febkit.solver.problem import DYNAMIC, STATIC, STEADY, TRANSIENT, AutoStep, NewtonOptions, Saving, Step
 from febkit.solver.stepping import SMALLEST
 
@@ -40,7 +40,6 @@ NUMBERS = {  # tags and options
     "max_residual": "max_residual", "lstol": "line_tolerance", "lsmin": "line_minimum", "rhoi": "rho_inf",
     "alpha": "alpha", "beta": "beta", "gamma": "gamma",
 }  # fmt: skip
-SIGNED = frozenset({"ptol", "rhoi", "alpha", "beta", "gamma"})  # FEBio bounds all others by 0
 LAST = 3.4e38  # a time in a plotfile
 SHORTEST = 1e-300  # beta dt^2 of dynamics, by which masses are divided
 QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax"})
@@ -168,9 +167,9 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
         leaf = c.child(tag)
         if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none", "false"):
             ctx.refuse(f"<{tag}>", leaf.where)
+    bounded = ranges.of("(solver)")  # by 0, all of them
     for tag, name in NUMBERS.items():
-        least = -math.inf if tag in SIGNED else 0.0
-        setattr(o, name, _number(c, tag, getattr(o, name), least=least))
+        setattr(o, name, _number(c, tag, getattr(o, name), least=0.0 if tag in bounded else -math.inf))
     o.line_iterations = c.int("lsiter", o.line_iterations)
     o.line_check_jacobians = c.bool("ls_check_jacobians")
     # FEBio tests the count after each reformation, and 0 means none is allowed

@@ -12,7 +12,6 @@ from febkit.model.sets import element_ids, node_indices, surface
 from febkit.model.species import find, solutes
 from febkit.solver import loads as records
 from febkit.solver.loads.base import Patch, patches
-from febkit.solver.problem import STEADY
 
 from .context import FACETS, Context
 
@@ -41,7 +40,7 @@ BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 
 
-def loads(ctx: Context, specs: tuple[Component, ...], analysis: str) -> tuple[list[Any], list[Any]]:
+def loads(ctx: Context, specs: tuple[Component, ...]) -> tuple[list[Any], list[Any]]:
     """(surface and nodal loads, body loads)."""
     out: list[Any] = []
     body: list[Any] = []
@@ -50,7 +49,7 @@ def loads(ctx: Context, specs: tuple[Component, ...], analysis: str) -> tuple[li
         if read is None or c.type is None or not records.known(c.type) or _unread(c):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
             continue
-        made = read(ctx, c, analysis)
+        made = read(ctx, c)
         if made is not None:
             (body if c.tag == "body_load" else out).append(made)
     return out, body
@@ -79,7 +78,7 @@ def _order(on: Surface) -> dict[str, np.ndarray] | None:
     return dict(zip(on.facets, np.split(rank, ends[:-1]), strict=True))
 
 
-def _surface(ctx: Context, c: Component, analysis: str) -> Any:
+def _surface(ctx: Context, c: Component) -> Any:
     cls = records.load(c.type or "")
     numbers, vectors, flags = SURFACE[c.type or ""]
     solute = {"solute_id"} if c.type in OF_A_SOLUTE else set()
@@ -105,8 +104,6 @@ def _surface(ctx: Context, c: Component, analysis: str) -> Any:
         if c.bool("update") or c.bool("shell_bottom"):
             tag = "update" if c.bool("update") else "shell_bottom"
             ctx.refuse(f'<{tag}> of <surface_load type="{c.type}">', c.need(tag).where)
-    if c.type == "fluidflux":
-        kw["steady"] = analysis == STEADY
     fields = cls.__dataclass_fields__
     kw["shell_bottom"] = c.bool("shell_bottom")
     return cls(facets(ctx, c), **{k: v for k, v in kw.items() if k in fields})
@@ -128,7 +125,7 @@ def _solute_owners(ctx: Context, c: Component, solute: int) -> tuple[np.ndarray,
     return tuple(owner for owner in found.values() if len(owner))
 
 
-def _nodal(ctx: Context, c: Component, analysis: str) -> Any:
+def _nodal(ctx: Context, c: Component) -> Any:
     ref = c.attrs.get("node_set", "")
     nodes = node_indices(ctx.model.mesh, ref, c.where)
     if c.bool("shell_bottom"):
@@ -175,7 +172,7 @@ def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, rela
     return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
 
 
-def _body(ctx: Context, c: Component, analysis: str) -> Any:
+def _body(ctx: Context, c: Component) -> Any:
     cls = records.load(c.type or "")
     numbers, vectors = BODY[c.type or ""]
     ctx.check_tags(c, {*numbers, *vectors, *({"frame"} if c.type == "moving frame" else ())})

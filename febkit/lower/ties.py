@@ -12,7 +12,7 @@ from febkit.solver.loads import springs
 from febkit.solver.problem import Step
 from febkit.solver.ties import LinearConstraint
 
-from .context import Context
+from .context import METHODS, Context
 from .curves import curve
 
 #: law of a discrete material -> class, and tags of numbers
@@ -22,7 +22,6 @@ LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "nonlinear spring": (springs.NonlinearSprings, ("scale",)),
     "Hill": (springs.HillMuscles, ("Vmax", "ac", "Fmax", "Ksh", "Lmax")),
 }
-METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
 AUGMENTED = frozenset({"laugon", "tol", "penalty", "rhs", "minaug", "maxaug"})
 MEASURES = {k: k for k in ("elongation", "strain", "stretch")} | {"0": "elongation", "1": "strain", "2": "stretch"}
 

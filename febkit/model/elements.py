@@ -125,6 +125,11 @@ def of_dimension(dim: int) -> tuple[str, ...]:
     return tuple(n for n, e in ELEMENTS.items() if e.dim == dim)
 
 
+def domain(name: str) -> str:
+    """What kind of domain elements of a type make: "solid", "shell" (of facets) or "beam" (of lines)."""
+    return {3: "solid", 2: "shell"}.get(ELEMENTS[name].dim, "beam")
+
+
 def corners(name: str) -> int:
     """Corner nodes of an element type; they come first."""
     return ELEMENTS[name].corners

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.feb.tree import number
 from febkit.model import Component, InputError, LoadController
 
-from .text import is_number, number
+from .text import is_number
 
 if TYPE_CHECKING:
     from .model import Model

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from febkit.model import Domain, InputError, Mesh, Output, PlotVariable, Step, species
 from febkit.model import Model as Record
+from febkit.model.elements import domain
 from febkit.model.species import Species
 
 from . import meshes, selection
 from .curves import Curves
 from .node import Node
 from .output import Outputs
-from .parts import Materials, Parts, kind_of
+from .parts import Materials, Parts
 from .sets import ElementSets, NodeSets, Surfaces
 from .species import declared
 from .stage import Stage
@@ -230,7 +231,7 @@ class Model(Stage):
         own = {d.block: d for d in self._record.domains}
         for b in self.mesh.blocks:
             if not parts or b.name in parts:
-                kind = kind_of(b.type)
+                kind = domain(b.type)
                 old = own.get(b.name)
                 own[b.name] = Domain(b.name, kind, material) if old is None else replace(old, material=material)
         order = [n for n in names if n in own] + [n for n in own if n not in names]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import Component, Domain, ElementBlock, InputError
+from febkit.model.elements import domain
 
 from .node import Node
 from .sets import missing
@@ -17,13 +18,6 @@ from .text import is_number, written
 
 if TYPE_CHECKING:
     from .model import Model
-
-
-def kind_of(type_: str) -> str:
-    """ "solid", "shell" or "beam": what domains of elements of a type are."""
-    from febkit.solver import elements
-
-    return "solid" if type_ in elements.VOLUMES else "shell" if type_ in elements.FACETS else "beam"
 
 
 @dataclass(eq=False)
@@ -62,7 +56,7 @@ class Part:
 
     @thickness.setter
     def thickness(self, value: float) -> None:
-        if kind_of(self.type) != "shell":
+        if domain(self.type) != "shell":
             raise InputError(f'part "{self.name}" holds {self.type}, which have no thickness')
         if not (is_number(value) and float(value) > 0):
             raise InputError(f"the thickness of shells must be more than 0, not {value!r}")

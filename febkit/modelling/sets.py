@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -141,6 +140,8 @@ def _said(sizes: Any) -> str:
 
 def missing(what: str, name: str, known: Any) -> str:
     """There is no such name; what there is."""
+    from difflib import get_close_matches  # where a name is wrong
+
     close = get_close_matches(str(name), list(known), 1, 0.6)
     hint = f'; did you mean "{close[0]}"?' if close else f"; there are {', '.join(known) or 'none'}"
     return f'there is no {what} "{name}"{hint}'

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from febkit.feb.tree import number
 from febkit.model import Component, InputError
 from febkit.model import Model as Record
 from febkit.model.species import solid_bound, solutes
 
 from .sets import missing
-from .text import number
 
 SECTIONS = {"solute": "Solutes", "solid_bound": "SolidBoundMolecules"}
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from febkit.feb.tree import number
 from febkit.model import Component, InputError, Step
 
 from .curves import Curve
 from .node import Node
 from .sets import missing
 from .stage import Stage
-from .text import number, written
+from .text import written
 
 if TYPE_CHECKING:
     from .model import Model

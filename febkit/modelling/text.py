@@ -7,15 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from febkit.feb.tree import number
 from febkit.model.values import spells_number
 
 Value = float | int | bool | str | tuple[float, ...]
-
-
-def number(v: float) -> str:
-    """The fewest digits that read back the same, whole numbers without a point."""
-    v = float(v)
-    return str(int(v)) if abs(v) < 1e15 and v == int(v) else repr(v)
 
 
 def is_number(v: Any) -> bool:

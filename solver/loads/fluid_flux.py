@@ -20,14 +20,13 @@ if TYPE_CHECKING:
 class FluidFlux(SurfaceLoad):
     """Volume of fluid leaving per area and time, relative to the solid; of the mixture where ``mixture``.
 
-    dt int N (flux |a| - v . a), the last term where ``mixture`` and not ``steady`` (a steady-state
-    analysis). FEBio User Manual, "Fluid Flux". ``linear`` takes the areas of the reference.
+    dt int N (flux |a| - v . a), the last term where ``mixture``, but in steady states.
+    FEBio User Manual, "Fluid Flux". ``linear`` takes the areas of the reference.
     """
 
     flux: Number = 1.0
     linear: bool = False
     mixture: bool = False
-    steady: bool = False
     parameters = ("flux",)
 
     @property

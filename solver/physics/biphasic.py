@@ -78,7 +78,7 @@ class BiphasicWork(StandardWork):
         super().update(c, state, drive)
         g, mix = self.group, self.mixture
         self._pressures(c.lo, c.hi, state)
-        k = self._permeability(c)[0]
+        k = self._permeability(c.points)[0]
         b = np.zeros((0, 3)) if not drive else self._drive(c, drive)
         biphasic.flux(c.lo, c.hi, k, self.gp, b, self.w)
         if mix.supply is not None:
@@ -97,12 +97,11 @@ class BiphasicWork(StandardWork):
             b += load.force(c.points)
         return b * self.mixture.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
 
-    def _permeability(self, c: Chunk, tangent: bool = False) -> tuple[Floats, Floats | None]:
-        mix, pts = self.mixture, c.points
-        k = np.zeros((pts.n, 6))
+    def _permeability(self, pts: Points, tangent: bool = False) -> tuple[Floats, Floats | None]:
+        """Permeability (n, 6) at points, and where asked for its derivatives (n, 6, 6), None where it has none."""
+        mix, k = self.mixture, np.zeros((pts.n, 6))
         dk = np.zeros((pts.n, 6, 6)) if tangent and mix.permeability.strain_dependent else None
-        phi = mix.phi0(pts.t, pts.X, pts.e)
-        mix.permeability.permeability(pts, phi, k, dk)
+        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
         return k, dk
 
     def _supply_tangent(self, c: Chunk) -> tuple[Floats, Floats, Floats]:
@@ -128,7 +127,7 @@ class BiphasicWork(StandardWork):
         s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
         c.points.t, c.points.dt = state.time, state.dt
         self.moduli(c, s, C)
-        k, dk = self._permeability(c, tangent=True)
+        k, dk = self._permeability(c.points, tangent=True)
         supply = self._supply_tangent(c) if self.mixture.supply is not None else None
         laws = _Laws(s, C, k, dk, supply)
         for lo, hi, _, p in self.group.pieces(c):
@@ -188,15 +187,10 @@ class BiphasicWork(StandardWork):
         return bool(np.any(self.mixture.fluid_density(pts.t, pts.X, pts.e)))
 
     def tangents(self, pts: Points) -> list[tuple[str, Floats]]:
-        mix, k = self.mixture, np.zeros((pts.n, 6))
-        dk = np.zeros((pts.n, 6, 6)) if mix.permeability.strain_dependent else None
-        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
-        return super().tangents(pts) + [("permeability", q) for q in (k, dk) if q is not None]
+        return super().tangents(pts) + [("permeability", q) for q in self._permeability(pts, True) if q is not None]
 
     def permeability(self, pts: Points) -> Floats:
-        k = np.zeros((pts.n, 6))
-        self.mixture.permeability.permeability(pts, self.mixture.phi0(pts.t, pts.X, pts.e), k, None)
-        return k
+        return self._permeability(pts)[0]
 
     def pressure(self, pts: Points) -> tuple[Floats, Floats]:
         return self.pg.reshape(-1), np.zeros(pts.n)

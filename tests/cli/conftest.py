@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -57,21 +57,29 @@ def febkit(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     return call
 
 
+@pytest.fixture(autouse=True)
+def nothing_goes_on(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Processes that a test leaves, where it fails halfway, end with it."""
+    begun: list[subprocess.Popen[Any]] = []
+    begin = subprocess.Popen.__init__
+
+    def noted(self: subprocess.Popen[Any], *args: Any, **options: Any) -> None:
+        begin(self, *args, **options)
+        begun.append(self)
+
+    monkeypatch.setattr(subprocess.Popen, "__init__", noted)
+    yield
+    for job in begun:
+        if job.poll() is None:
+            job.kill()
+            job.communicate()
+
+
 @pytest.fixture
-def start(tmp_path: Path):
+def start(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
     """``start("run", "m.feb")``: the installed command as a process that goes on; killed when the test ends."""
-    jobs: list[subprocess.Popen[str]] = []
-
-    def begin(*args: Any) -> subprocess.Popen[str]:
-        job = subprocess.Popen([FEBKIT, *map(str, args)], cwd=tmp_path, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)  # fmt: skip
-        jobs.append(job)
-        return job
-
-    yield begin
-    for job in jobs:
-        job.kill()
-        job.communicate()
+    return lambda *args: subprocess.Popen([FEBKIT, *map(str, args)], cwd=tmp_path, stdout=subprocess.PIPE,
+                                          stderr=subprocess.PIPE, text=True)  # fmt: skip
 
 
 @pytest.fixture(scope="session")
