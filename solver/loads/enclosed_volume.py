@@ -66,13 +66,17 @@ class EnclosedVolume(SurfaceLoad):
         """eps (V - V0)."""
         return float(as_value(self.penalty)(state.time, ORIGIN)[0]) * (self.volume(state) - self.start)
 
+    def pressure(self, state: State) -> float:
+        """p (above)."""
+        return self.multiplier + self._growth(state)
+
     def residual(self, state: State, R: Floats) -> None:
-        for patch, f in self._areas(state, self.multiplier + self._growth(state)):
+        for patch, f in self._areas(state, self.pressure(state)):
             self.add(state, patch, f, R)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
         """That of a given pressure; its change, coupling all nodes, is left to quasi-Newton updates (as in FEBio)."""
-        x, p, out = self.positions(state), np.array([self.multiplier + self._growth(state)]), []
+        x, p, out = self.positions(state), np.array([self.pressure(state)]), []
         for patch in self.surface:
             K, nodes, columns = self.matrices(state, patch)
             normal_stiffness(x, *patch.geometry, p, True, K)

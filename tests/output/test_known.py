@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import febkit
 from febkit.model import Mesh, Model, Output, PlotVariable
 from febkit.output import plot, plotfile
 from febkit.results.variables import VARIABLES
@@ -39,3 +40,18 @@ def test_every_variable_is_in_the_file_that_the_table_says():
             assert f'"{name}"' in source, f"{name} is not registered in {file}.py"
             assert name in VARIABLES, f"{name} has no storage in febkit/results/variables.py"
     assert set(plot.base.table) == {n for names in plot.FILES.values() for n in names}
+
+
+@pytest.mark.parametrize(
+    "strange", ["mesh_data['none']", "parameter['fem.material[7].E']", "field['none']", "stress['solid[0]']", "strain"]
+)
+def test_a_variable_that_does_not_exist_is_named_and_left_out(tmp_path, strange):
+    text = (Path(__file__).parent / "data" / "maps.feb").read_text()
+    variables = f'<var type="{strange}"/><var type="displacement"/>'
+    asked = f'<Output><plotfile type="febio">{variables}</plotfile></Output>'
+    (tmp_path / "a.feb").write_text(text.replace("<Output/>", asked))
+    told: list[str] = []
+    written = plotfile.PlotListener(febkit.read(tmp_path / "a.feb").record, tmp_path / "a.xplt", told.append)
+    assert told == [f'plot variable "{strange}" is not computed by febkit and is left out']
+    assert [v.name for v in written.variables] == ["displacement"]
+    written.__exit__()

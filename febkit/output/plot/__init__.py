@@ -74,8 +74,8 @@ FILES: dict[str, tuple[str, ...]] = {
     "contacts": (
         "contact gap", "contact pressure", "contact traction", "nodal contact gap", "nodal contact pressure",
         "nodal contact traction", "vector gap", "nodal vector gap", "contact stick", "contact status",
-        "contact penalty", "contact area", "contact force", "pressure gap", "fluid force",
-        "local fluid load support", "fluid load support",
+        "contact penalty", "effective friction coefficient", "contact area", "contact force", "pressure gap",
+        "fluid force", "local fluid load support", "fluid load support",
     ),
     "bonds": (
         "damage", "intact bond fraction", "yielded bond fraction", "fatigue bond fraction",

@@ -13,6 +13,7 @@ import numpy as np
 from febkit.solver.contact.facet_on_facet import FacetOnFacet
 from febkit.solver.contact.node_on_facet import NodeOnFacet
 from febkit.solver.contact.sliding_elastic import SlidingElastic, SlidingPoints
+from febkit.solver.contact.sliding_friction import FrictionPoints
 from febkit.solver.contact.tied_elastic import TiedElastic
 from febkit.solver.contact.tied_node import TiedNode
 from febkit.solver.fields import PRESSURE
@@ -173,6 +174,19 @@ def penalty(face: Face) -> Floats | None:
     return side.surface.means(side.modulus, side.nodal)
 
 
+def friction(face: Face) -> Floats | None:
+    """Tangential traction over pressure, averaged over facets, of contacts with fluid: what the fluid leaves of mu."""
+    found = sides(face)
+    if found is None or getattr(found[1], "passages", None) is None:
+        return None
+    contact, side = found
+    mu = np.zeros(side.n)
+    if side in contact.passes and isinstance(side, FrictionPoints):
+        along = np.linalg.norm(side.t + side.p[:, None] * side.normals, axis=1)
+        mu = np.divide(along, side.p, out=mu, where=side.p > 0)
+    return side.surface.means(mu, side.nodal)
+
+
 def areas(side: Side, x: Floats) -> Floats:
     """Present areas that the points of a surface stand for (q, 3), along their normals."""
     w = side.surface
@@ -283,6 +297,7 @@ register("nodal vector gap", nodal_vector_gap)
 register("contact stick", stick)
 register("contact status", status)
 register("contact penalty", penalty)
+register("effective friction coefficient", friction)
 register("contact area", area)
 register("contact force", force)
 register("pressure gap", pressure_gap)

@@ -1,4 +1,4 @@
-"""<rigid_connector_data>: forces and motion of rigid connectors, numbered with constraints in the file's order.
+"""<rigid_connector_data>: rigid connectors' forces and motion, and constraints' volumes, numbered in the file's order.
 
 Forces and moments act on the first body; the second's motion is relative to the first, along the joint's axes where it
 has any. Helical axes are seen from the second body.
@@ -7,11 +7,13 @@ has any. Helical axes are seen from the second body.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from febkit.output.plot.rigid import Body
+from febkit.solver.loads.enclosed_volume import EnclosedVolume
 from febkit.solver.rigid import rotation
 from febkit.solver.rigid.jets import Frame
 
@@ -21,6 +23,7 @@ from .bodies import Axis, axis, helical
 if TYPE_CHECKING:
     from febkit.model import Component, LogEntry
     from febkit.output.plot import View
+    from febkit.solver.state import State
 
 
 def listed(view: View) -> list[Component]:
@@ -36,6 +39,8 @@ def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
 
 
 def column(view: View, name: str, entry: LogEntry) -> Column | None:
+    if name in VOLUMES:
+        return partial(_volumes, view, VOLUMES[name])
     value = datum(name)
     if value is None:
         return None
@@ -47,6 +52,14 @@ def column(view: View, name: str, entry: LogEntry) -> Column | None:
         return np.array([0.0 if c is None else value(Joint(view, c)) for c in every])
 
     return values
+
+
+def _volumes(view: View, value: Callable[[EnclosedVolume, State], float]) -> Floats:
+    """A datum of each constraint "volume", zero for all else."""
+    problem = view.run.problem
+    loads = iter([q for s in (problem.common, *problem.steps) for q in s.loads if isinstance(q, EnclosedVolume)])
+    every = [next(loads) if (c.tag, c.type) == ("constraint", "volume") else None for c in listed(view)]
+    return np.array([0.0 if q is None else value(q, view.state) for q in every])
 
 
 class Joint:
@@ -122,4 +135,8 @@ VECTORS: dict[str, Callable[[Joint], Floats]] = {
     "RCM": lambda j: j.pull()[1],
     "RC": Joint.translation,
     "RCth": Joint.rotation,
+}
+VOLUMES: dict[str, Callable[[EnclosedVolume, State], float]] = {
+    "constrained volume": EnclosedVolume.volume,
+    "volume pressure": EnclosedVolume.pressure,
 }
