@@ -130,3 +130,60 @@ def test_rotations_without_beams_do_nothing(tmp_path: Path) -> None:
     more = '<bc node_set="top" type="zero rotation"><u_dof>1</u_dof></bc>'
     p = cube.problem(tmp_path, cube.text(SOLID).replace("</Boundary>", f"{more}</Boundary>"))
     assert not p.layout.turns and len(p.common.conditions) == 3
+
+
+STEPS = """<Control><analysis>STATIC</analysis><time_steps>{steps}</time_steps><step_size>{size}</step_size><solver
+type="solid"><symmetric_stiffness>0</symmetric_stiffness><dtol>1e-9</dtol><etol>1e-16</etol><lstol>0</lstol>
+<min_residual>1e-24</min_residual><max_refs>500</max_refs><qn_method type="BFGS"><max_ups>0</max_ups></qn_method>
+</solver></Control>"""
+CURVES = """<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points><pt>0,0</pt>
+<pt>0.4,1</pt></points></load_controller><load_controller id="2" type="loadcurve"><interpolate>LINEAR</interpolate>
+<points><pt>0,0</pt><pt>0.2,0.2</pt><pt>0.4,1</pt></points></load_controller></LoadData>"""
+HELD = '<bc type="zero displacement" node_set="held"><x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof></bc>'
+
+
+def whole(steps: str, material: str, mesh: str, spec: str, boundary: str, loads: str) -> str:
+    return f"""<febio_spec version="4.0"><Module type="solid"/>{steps}<Material>{material}</Material><Mesh>{mesh}</Mesh>
+<MeshDomains>{spec}</MeshDomains><Boundary>{HELD}{boundary}</Boundary><Loads>{loads}</Loads>{CURVES}</febio_spec>"""
+
+
+def test_febios_answer_of_a_beam(tmp_path: Path) -> None:
+    """A clamp that turns about two axes, one later than the other, a moment, a force and a body force (FEBio 4.11)."""
+    nodes = "".join(f'<node id="{k + 1}">{k},{0.5 * k},{0.2 * k}</node>' for k in range(5))
+    sets = "".join(f'<NodeSet name="{n}">{k}</NodeSet>' for n, k in (("held", 1), ("end", 5), ("mid", 3)))
+    lines = '<elem id="1">1,3,2</elem><elem id="2">3,5,4</elem>'
+    mesh = f'<Nodes name="all">{nodes}</Nodes><Elements type="line3" name="p">{lines}</Elements>{sets}'
+    turned = "".join(f'<bc type="prescribed rotation" node_set="held"><dof>{d}</dof><value lc="{lc}">{v}</value></bc>'
+                     for d, lc, v in (("v", 1, 0.7), ("w", 2, 0.9)))  # fmt: skip
+    loads = "".join(f'<nodal_load type="nodal_load" node_set="{n}"><dof>{d}</dof><scale lc="1">{v}</scale></nodal_load>'
+                    for n, d, v in (("end", "u", 3), ("mid", "z", 5)))  # fmt: skip
+    section = "<density>2</density><E>2000</E><G>800</G><A>0.5</A><A1>0.4</A1><A2>0.3</A2><I1>0.05</I1><I2>0.02</I2>"
+    content = whole(
+        STEPS.format(steps=20, size=0.02), f'<material id="1" name="m" type="linear-beam">{section}</material>', mesh,
+        '<BeamDomain name="p" mat="m" type="linear-beam"/>',
+        '<bc type="zero rotation" node_set="held"><u_dof>1</u_dof></bc>' + turned,
+        loads + '<body_load type="body force"><force lc="1">0,3,1</force></body_load>',
+    )  # fmt: skip
+    result = febkit.solve(cube.read(tmp_path, content))
+    assert result.converged, result.reason
+    answer = [[-1.9335585721, 1.26673544959, -0.600454498198], [-4.05524725147, 2.5333224729, -0.802574008976]]
+    np.testing.assert_allclose(result.state.u[[2, 4]], answer, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "law", "more", "answer"), [
+    ("elastic-truss", "neo-Hookean", "<v>0.3</v>", [0.0806519902514, -0.0565853659578, 0.0370924388256]),
+    ("linear-truss", "linear truss", "", [0.0826803593082, -0.0602037168263, 0.0395745189362]),
+])  # fmt: skip
+def test_febios_answer_of_trusses(tmp_path: Path, kind: str, law: str, more: str, answer: list[float]) -> None:
+    """Three trusses that meet in a loaded node (FEBio 4.11)."""
+    points = ("0,0,0", "1,0,0", "0,1,0", "0.3,0.2,0.9")
+    nodes = "".join(f'<node id="{k}">{x}</node>' for k, x in enumerate(points, 1))
+    lines = "".join(f'<elem id="{k}">{e}</elem>' for k, e in enumerate(("1,4", "2,4", "4,3"), 1))
+    sets = '<NodeSet name="held">1,2,3</NodeSet><NodeSet name="end">4</NodeSet>'
+    mesh = f'<Nodes name="all">{nodes}</Nodes><Elements type="line2" name="p">{lines}</Elements>{sets}'
+    material = f'<material id="1" name="m" type="{law}"><density>1</density><E>100</E><v>0.3</v></material>'
+    spec = f'<BeamDomain name="p" mat="m" type="{kind}">{AREA.replace("0.5", "0.4")}{more}</BeamDomain>'
+    load = '<nodal_load type="nodal_force" node_set="end"><value lc="1">2,-1.5,3</value></nodal_load>'
+    result = febkit.solve(cube.read(tmp_path, whole(STEPS.format(steps=4, size=0.1), material, mesh, spec, "", load)))
+    assert result.converged, result.reason
+    np.testing.assert_allclose(result.state.u[3], answer, rtol=1e-8)
