@@ -7,7 +7,7 @@ from pathlib import Path
 
 from febkit.model import InputError, Model, Where
 
-from . import convert, include
+from . import convert, include, nested
 from .build import ModelBuilder
 from .document import Document, Tag, parse
 from .edit import clone
@@ -19,15 +19,19 @@ def read(path: str | PathLike[str]) -> Model:
     Raises InputError with file and line where it cannot be read. ``model.version`` is the file's own;
     the records are those of version 4.0.
     """
-    p = Path(path)
+    return _read(Path(path), 0)
+
+
+def _read(p: Path, depth: int) -> Model:
+    """A file that is named in another at a depth, 0 for the user's own."""
     try:
         data = include.contents(p)
     except OSError as e:
         raise InputError(f"cannot open the file: {e.strerror}", Where(str(p))) from None
-    return read_bytes(data, str(p))
+    return read_bytes(data, str(p), depth)
 
 
-def read_bytes(data: bytes, file: str = "") -> Model:
+def read_bytes(data: bytes, file: str = "", depth: int = 0) -> Model:
     """The model in the bytes of a .feb file; ``file`` names it in messages and locates its includes."""
     doc = parse(data, file)
     try:
@@ -37,6 +41,7 @@ def read_bytes(data: bytes, file: str = "") -> Model:
         raise e if e.where is not None and e.where.file else type(e)(e.message, Where(file)) from None
     object.__setattr__(model, "version", doc.root.need("version"))
     object.__setattr__(model, "document", doc)
+    object.__setattr__(model, "nested", nested.read(model, _read, depth))
     doc.baseline, doc.own = model, own
     return model
 

@@ -60,6 +60,7 @@ def unsupported(model: Model) -> list[UnsupportedError]:
 
 def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     ctx = Context(model)
+    ctx.lower = lower
     _whole_sections(ctx)
     if model.module not in MODULES:
         return None, ctx.refused

@@ -29,7 +29,7 @@ from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Va
 if TYPE_CHECKING:
     from febkit.model.math import Formula
     from febkit.solver.controllers import LoadCurve
-    from febkit.solver.problem import Block
+    from febkit.solver.problem import Block, Problem
 
     from .rigid import Body
 
@@ -73,6 +73,7 @@ class Context:
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.made: list[Block] = []  # and the blocks
         self.common = Step()  # what acts in every step
+        self.lower: Callable[[Model], Problem]  # lowers another model, which this one names
         self._made_data: dict[int, np.ndarray | None] = {}
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 

@@ -223,7 +223,7 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
         fields["k"] = ctx.value(c, maps=part)
     elif c.tag == "pressure_model" and getattr(cls, "uncoupled", False):
         fields["pressure_model"] = _option(c, spec.type or spec.tag)
-    elif c.tag not in IGNORED:
+    elif c.tag not in IGNORED and c.tag not in getattr(cls, "beside", ()):
         ctx.refuse(f'<{c.tag}> of <{spec.tag} type="{spec.type}">', c.where)
 
 
@@ -249,6 +249,10 @@ def _child(ctx: Context, c: Component, prop: Property, part: str) -> Any:
         return curve(ctx, c)
     if prop.table in INVARIANTS:
         return _energy(ctx, c, INVARIANTS[prop.table])
+    if prop.table == "rve":
+        from . import volumes
+
+        return volumes.volume(ctx, c)
     if prop.table == "formula":
         return of_one(ctx, c)
     return record(ctx, c, prop.table, part)

@@ -130,6 +130,7 @@ class Model:
     file: str = ""
     document: object | None = None  # the lossless XML document the model was read from
     unknown: tuple[Component, ...] = ()  # sections this version of febkit has no record for
+    nested: Mapping[str, Model] = field(default_factory=dict)  # models that materials name, by those names
 
 
 def as_record(model: Any) -> Model:

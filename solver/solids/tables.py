@@ -94,6 +94,7 @@ TABLES: dict[str, dict[str, str]] = {
         "incomp neo-Hookean": "incompressible_neo_hookean:IncompressibleNeoHookean",
         "kinematic growth": "kinematic_growth:KinematicGrowth",
         "PRLig": "ligament_poisson:PRLig",
+        "micro-material": "micro:Micro",
         "multigeneration": "multigeneration:Multigeneration",
         "muscle material": "muscle:Muscle",
         "tendon material": "muscle:Tendon",

@@ -6,8 +6,12 @@ from dataclasses import fields, is_dataclass
 
 import numpy as np
 
+from febkit.solver.problem import Block, Problem, Step
+from febkit.solver.rve import Rve
 from febkit.solver.solids.registry import load, tables
 from febkit.solver.values import Constant, Map, as_value
+
+from . import scenes
 
 
 def direction(pts):
@@ -193,6 +197,17 @@ def _damaged(name="elastic damage", part=neo_hookean, **kw):
     return solid(name, elastic=part(), damage=_cdf(), criterion=of("criterion", "DC Simo"), **kw)
 
 
+def _volume():
+    """Eight elements, each other one stiff, whose inner node is off the middle."""
+    X, conn = scenes.grid((2, 2, 2))
+    middle = np.flatnonzero((abs(X - 0.5) < 0.1).all(axis=1))
+    X[middle] += (0.1, -0.05, 0.08)
+    parts = [(conn[::2], neo_hookean()), (conn[1::2], solid("neo-Hookean", E=9.0, v=0.2))]
+    blocks = [Block(f"part {k}", "hex8", q, np.arange(len(q)), m) for k, (q, m) in enumerate(parts)]
+    boundary = np.setdiff1d(np.arange(len(X)), middle)
+    return Rve(Problem(X, blocks, [Step(newton=scenes.tight(dtol=1e-12))]), boundary)
+
+
 def _w(v):
     return 0.4 * (v["I1"] - 3) + 0.1 * (v["I2"] - 3) + 0.3 * (v["I1"] - 3) ** 2 - 1.2 * np.log(v["J"]) + 2 * (
         v["J"] - 1
@@ -255,6 +270,7 @@ COMPOSITE = {
         "remodeling solid", min_density=0.2, max_density=3.0, supply=of("solid_supply", "Huiskes-supply", B=0.8, k=0.1),
         solid=of("remodeled", "Carter-Hayes (old)", c=2.0, gamma=1.6, v=0.3, density_=1.1),
     ),
+    "micro-material": lambda: solid("micro-material", RVE=_volume()),
     "kinematic growth": lambda: solid(
         "kinematic growth",
         elastic=neo_hookean(),
