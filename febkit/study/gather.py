@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,8 +35,10 @@ def finished(plan: Plan) -> Iterator[tuple[Place, xr.Dataset]]:
             yield where, in_units_of(first, own)
 
 
-def results(plan: Plan) -> xr.Dataset:
+def results(plan: Plan, found: Iterable[tuple[Place, xr.Dataset]] | None = None) -> xr.Dataset:
     """All metrics (case, handoff, point, cell, time); NaN where a step has not been done.
+
+    ``found``: those of :func:`finished`, where they are at hand.
 
     Where [cell] has a list of seeds, (case, handoff, point, seed, cell, time). Times are those of the first result.
     """
@@ -52,7 +54,7 @@ def results(plan: Plan) -> xr.Dataset:
     if study.seeds != (None,):
         coords["seed"] = list(study.seeds)
     out: xr.Dataset | None = None
-    for place, ds in finished(plan):
+    for place, ds in finished(plan) if found is None else found:
         if out is None:
             out = _empty(ds, coords)
         which = (place.point, place.seed)[: len(coords) - 2]

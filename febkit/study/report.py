@@ -31,20 +31,20 @@ def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Pat
     """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "metrics.nc"
-    data = gather.results(plan)
+    found, agreed = dict(gather.finished(plan)), gather.agreements(plan)
+    data = gather.results(plan, found.items())
     if not data.data_vars:
         raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
     netcdf.save(data, path)
     yield path
-    found: Metrics = dict(gather.finished(plan))
-    pictures = list(_figures(plan, found, folder)) if figures else []
+    pictures = list(_figures(plan, found, agreed, folder)) if figures else []
     yield from pictures
     path = folder / "report.md"
-    put(path, _text(plan, found, pictures).encode())
+    put(path, _text(plan, found, agreed, pictures).encode())
     yield path
 
 
-def _text(plan: Plan, found: Metrics, pictures: list[Path]) -> str:
+def _text(plan: Plan, found: Metrics, agreed: Metrics, pictures: list[Path]) -> str:
     study = plan.study
     missing = [f"{p.case} {p.method}{which(study, p.point, p.seed)}" for p in plan.metrics if p not in found]
     out = [f"# {study.name}", ""]
@@ -56,16 +56,18 @@ def _text(plan: Plan, found: Metrics, pictures: list[Path]) -> str:
     ]
     if missing:
         out += [f"Not done yet: {', '.join(missing[:20])}{' ...' if len(missing) > 20 else ''}.", ""]
-    out += [t.markdown() for t in all_tables(plan, found)]
+    out += [t.markdown() for t in all_tables(plan, found, agreed)]
     out += [_times(plan).markdown()]
     out += [f"![{p.stem}]({p.name})\n" for p in pictures]
     return "\n".join(out)
 
 
-def all_tables(plan: Plan, found: Metrics | None = None) -> Iterator[tables.Table]:
+def all_tables(
+    plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None
+) -> Iterator[tables.Table]:
     """Tables of what is done: the study's pattern, RMS (table 2), limits, ranks (table 3), medians and ranges."""
     found = dict(gather.finished(plan)) if found is None else found
-    agreed = gather.agreements(plan)
+    agreed = gather.agreements(plan) if agreed is None else agreed
     if agreed:
         study = plan.study
         yield from first_tables(plan, found, agreed)
@@ -171,7 +173,7 @@ def _elements(store: Store, step: Step) -> object:
     return r["elements"]
 
 
-def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
+def _figures(plan: Plan, found: Metrics, agreed: Metrics, folder: Path) -> Iterator[Path]:
     from febkit import plots
 
     for case in plan.study.cases:
@@ -198,13 +200,13 @@ def _figures(plan: Plan, found: Metrics, folder: Path) -> Iterator[Path]:
             if figure is not None:
                 yield _saved(figure, folder / f"section_{case}.png")
             break  # one point and seed for each case: the control's, or the first
-    agreed: dict[str, dict[str, xr.Dataset]] = {}
-    for p, ds in gather.agreements(plan).items():
+    by_case: dict[str, dict[str, xr.Dataset]] = {}
+    for p, ds in agreed.items():
         if p.seed == 0:
-            agreed.setdefault(p.case, {})[p.method] = ds
-    if agreed:
-        yield _saved(plots.outside_counts(agreed), folder / "outside_limits.png")
-        yield _saved(plots.errors(agreed), folder / "errors.png")
+            by_case.setdefault(p.case, {})[p.method] = ds
+    if by_case:
+        yield _saved(plots.outside_counts(by_case), folder / "outside_limits.png")
+        yield _saved(plots.errors(by_case), folder / "errors.png")
 
 
 def _six(shown: dict[str, xr.Dataset]) -> list[str]:

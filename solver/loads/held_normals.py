@@ -35,6 +35,7 @@ class HeldNormals(ConstraintSet):
         return cls(rows, own, np.zeros(shape), facets=facets, at=at, **options)
 
     def begin(self, state: State, groups: Any) -> None:
+        super().begin(state, groups)
         self.coefficients = normals(state.x, self.facets)[self.at]
 
 

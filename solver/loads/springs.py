@@ -17,6 +17,7 @@ from ..values import as_value
 from .base import Floats, Ints, Matrices, Number
 
 if TYPE_CHECKING:
+    from ..group import Group
     from ..state import State
 
 ORIGIN = np.zeros((1, 3))
@@ -162,20 +163,29 @@ class ConstraintSet(Action):
     minaug: int = 0
     maxaug: int = 50
     laugon: int = 1
+    multipliers: Floats = field(init=False, repr=False)  # lambda (constraint,)
+
+    def __post_init__(self) -> None:
+        self.multipliers = np.zeros(len(self.nodes))
+
+    def begin(self, state: State, groups: list[Group]) -> None:
+        self.multipliers = np.zeros(len(self.nodes))
+
+    def snapshot(self) -> Floats:
+        return self.multipliers.copy()
+
+    def restore(self, saved: Floats) -> None:
+        self.multipliers = saved.copy()
 
     def cliques(self) -> list[Ints]:
         return [self.nodes]
-
-    def _multipliers(self, state: State) -> Floats:
-        """Kept with the state, for a step that fails."""
-        return state.extra.setdefault(f"constraints {id(self)}", np.zeros(len(self.nodes)))
 
     def _sums(self, state: State) -> Floats:
         u = state.d[np.maximum(self.nodes, 0), self.columns]
         return np.asarray((self.coefficients * u).sum(axis=1))
 
     def residual(self, state: State, R: Floats) -> None:
-        f = self._multipliers(state) + self.penalty * self._sums(state)
+        f = self.multipliers + self.penalty * self._sums(state)
         np.add.at(R, (np.maximum(self.nodes, 0), self.columns), -f[:, None] * self.coefficients)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
@@ -196,11 +206,11 @@ class ConstraintSet(Action):
         """Renew the multipliers; True where their norm has settled."""
         if self.laugon == 0:
             return True
-        old = self._multipliers(state)
+        old = self.multipliers
         new = old + self.penalty * (self._sums(state) - self.rhs)
         n0, n1 = float(np.linalg.norm(old)), float(np.linalg.norm(new))
         good = abs(n1 - n0) <= self.tolerance * (n1 or 1.0) or 0 <= self.maxaug <= done
         if good and done >= self.minaug:
             return True
-        old[:] = new
+        self.multipliers = new
         return False
