@@ -27,8 +27,9 @@ Metrics = dict[Place, "xr.Dataset"]
 RANKED = 3  # cells from which on ranks say something
 
 
-def write_report(plan: Plan, folder: Path, figures: bool = True) -> Iterator[Path]:
+def write_report(plan: Plan, folder: str | Path, figures: bool = True) -> Iterator[Path]:
     """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named."""
+    folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "metrics.nc"
     found, agreed = dict(gather.finished(plan)), gather.agreements(plan)

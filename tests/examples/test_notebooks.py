@@ -19,10 +19,12 @@ LARGEST = 450_000  # bytes
 
 
 def kinds(cell: Any) -> list[str]:
-    """What a cell shows: "text/plain" and "image/png" of results, "stdout", "stderr"."""
-    out = []
+    """What a cell shows: "text/plain" and "image/png" of results, "stdout", "stderr" (which may come in pieces)."""
+    out: list[str] = []
     for o in cell.get("outputs", []):
-        out.append(o.get("name") or ("image/png" if "image/png" in o["data"] else "text/plain"))
+        kind = o.get("name") or ("image/png" if "image/png" in o["data"] else "text/plain")
+        if kind not in ("stdout", "stderr") or kind not in out[-1:]:
+            out.append(kind)
     return out
 
 
