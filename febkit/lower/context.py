@@ -59,6 +59,31 @@ def load_curve(points: Sequence[Sequence[float]], spec: Component, what: str) ->
         raise InputError(f"{what}: {e}", spec.where) from None
 
 
+EXTENSIONS = {"zero": "zero", "constant": "constant", "repeat": "repeat", "0": "zero", "1": "constant", "2": "repeat"}
+
+
+def interval(spec: Component, f: Controller) -> Controller:
+    """A function of time within an interval, that is zero, constant or repeats before and after it."""
+    leaf = spec.child("interval")
+    start, end = (0.0, 1.0) if leaf is None else leaf.as_floats(2)
+    if not end > start:
+        raise InputError(f"<interval> must grow, not {start:g},{end:g}", spec.where if leaf is None else leaf.where)
+    left, right = (spec.choice(f"{side}_extend", EXTENSIONS, "constant") for side in ("left", "right"))
+
+    def value(t: float) -> float:
+        before, after = t <= start, t >= end
+        how = left if before else right if after else ""
+        if how == "zero":
+            return 0.0
+        if how == "constant":
+            t = start if before else end
+        elif how == "repeat":
+            t = end - math.fmod(start - t, end - start) if before else start + math.fmod(t - start, end - start)
+        return f(t)
+
+    return value
+
+
 class Context:
     """Shared by all parts of the lowering. Refusals are collected, so that a user sees all at once."""
 
@@ -109,10 +134,12 @@ class Context:
     def _make_controller(self, spec: LoadController) -> Controller:
         if spec.type == "loadcurve":
             return load_curve(spec.points, spec.spec, f"load controller {spec.id}")
-        if spec.type == "math":
+        if spec.type in ("math", "math-interval"):
             leaf = spec.spec.need("math")
             f = compiled(leaf.text, {"t", *self.model.variables}, dict(self.model.variables), leaf.where)
-            return lambda t: float(f(t=t))
+            if spec.type == "math":
+                return lambda t: float(f(t=t))
+            return interval(spec.spec, lambda t: float(f(t=t)))
         self.refuse(f'load controller type="{spec.type}"', spec.where)
         return lambda t: 1.0
 

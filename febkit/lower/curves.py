@@ -34,6 +34,12 @@ def curve(ctx: Context, c: Component) -> Any:
     if kind in ("linear ramp", "linear"):
         slope, start = c.float("slope", 0.0), c.float("intercept", 0.0)
         return lambda x: slope * np.asarray(x) + start
+    if kind == "scale":
+        factor = c.float("scale", 1.0)
+        return lambda x: factor * np.asarray(x)
+    if kind == "step":
+        x0, left, right = c.float("x0", 0.0), c.float("left_val", 0.0), c.float("right_val", 1.0)
+        return lambda x: np.where(np.asarray(x) < x0, left, right)
     ctx.refuse(f'<{c.tag} type="{kind}">', c.where)
     return None
 

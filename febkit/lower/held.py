@@ -46,7 +46,8 @@ def _volume(ctx: Context, out: Step, c: Component) -> None:
         ctx.refuse(f'<constraint type="volume"> on {kind} facets', c.where)
         return
     on, eps = loads.facets(ctx, c, nodal.RULE), ctx.value(c.child("penalty"), 0.0)
-    out.loads.append(EnclosedVolume(on, eps, c.bool("laugon"), c.float("augtol", 0.0)))
+    laugon, tolerance = c.bool("laugon"), c.float("augtol", 0.0)
+    out.loads.append(EnclosedVolume(on, penalty=eps, laugon=laugon, tolerance=tolerance))
 
 
 def _distance(ctx: Context, out: Step, c: Component) -> None:

@@ -21,6 +21,7 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
     "traction": (("scale",), ("traction",), ("linear",)),
     "force": (("scale",), ("force",), ()),
     "bearing load": (("scale",), ("force",), ("profile", "linear", "symmetric_stiffness")),
+    "ideal gas pressure": (("P0",), (), ("symmetric_stiffness",)),
     "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
     "fluidflux": (("flux",), (), ("linear", "mixture")),
     "soluteflux": (("flux",), (), ("linear",)),
@@ -35,6 +36,8 @@ BODY: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "non-const": (("x", "y", "z"), ()),
     "body force": ((), ("force",)),
     "centrifugal": (("angular_speed",), ("rotation_axis", "rotation_center")),
+    "axial force": (("scale", "p"), ("c", "axis")),
+    "radial force": (("p", "sx", "sy", "sz"), ("c",)),
     "mass damping": (("C",), ()),
     "moving frame": (("wx", "wy", "wz", "ax", "ay", "az"), ()),
 }

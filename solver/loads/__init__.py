@@ -16,6 +16,7 @@ TYPES = {
     "fluidflux": "fluid_flux",
     "solute natural flux": "solute_natural_flux",
     "soluteflux": "solute_flux",
+    "ideal gas pressure": "enclosed_volume",
     # nodal loads
     "nodal_load": "nodal",
     "nodal_force": "nodal",
@@ -31,6 +32,8 @@ TYPES = {
     "const": "body_force",
     "non-const": "body_force",
     "centrifugal": "centrifugal",
+    "axial force": "central_force",
+    "radial force": "central_force",
     "mass damping": "mass_damping",
     "moving frame": "moving_frame",
 }

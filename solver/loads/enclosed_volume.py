@@ -1,4 +1,4 @@
-"""The volume that a surface encloses, held by a pressure. FEBio user manual, "Volume constraint"."""
+"""Pressures by the volume that a surface encloses."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from ..kernels.surface import normal_force, normal_stiffness
 from ..values import as_value
+from . import register
 from .base import Floats, Matrices, Number, SurfaceLoad
 from .springs import ORIGIN
 
@@ -17,36 +18,30 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False)
-class EnclosedVolume(SurfaceLoad):
-    """Tractions p n with p = lambda + eps (V - V0); V0 is V as the constraint begins to act.
+class Enclosing(SurfaceLoad):
+    """Tractions p n by the volume V that the surface encloses; V0 is V as they begin to act.
 
-    V = 1/3 int x . n da over the surface. ``penalty`` eps is negative on a surface whose normals point out of V, so
-    that a volume that has grown is pressed together.
+    V = 1/3 int x . n da over the surface. The tangent is that of a given pressure; its change, coupling all nodes, is
+    left to quasi-Newton updates (as in FEBio).
     """
 
-    penalty: Number = 0.0
-    laugon: bool = False
-    tolerance: float = 0.0
-    parameters = ("penalty",)
-    multiplier: float = field(init=False, default=0.0)
+    symmetric_stiffness: bool = True
     start: float = field(init=False, default=0.0)
 
     @property
-    def augments(self) -> bool:
-        return self.laugon and self.tolerance > 0.0
+    def symmetric(self) -> bool:
+        return self.symmetric_stiffness
 
     @property
     def tangent(self) -> bool:
         return True
 
     def begin(self, state: State, groups: Any) -> None:
-        self.start, self.multiplier = self.volume(state), 0.0
+        self.start = self.volume(state)
 
-    def snapshot(self) -> Any:
-        return self.multiplier
-
-    def restore(self, saved: Any) -> None:
-        self.multiplier = saved
+    def pressure(self, state: State) -> float:
+        """p."""
+        raise NotImplementedError
 
     def volume(self, state: State) -> float:
         """V, by the area vectors of the forces: int N_a n da is dV/dx_a of a closed surface."""
@@ -62,26 +57,53 @@ class EnclosedVolume(SurfaceLoad):
             out.append((patch, f))
         return out
 
+    def residual(self, state: State, R: Floats) -> None:
+        for patch, f in self._areas(state, self.sign * self.pressure(state)):
+            self.add(state, patch, f, R)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        x, p, out = self.positions(state), np.array([self.sign * self.pressure(state)]), []
+        for patch in self.surface:
+            K, nodes, columns = self.matrices(state, patch)
+            normal_stiffness(x, *patch.geometry, p, self.symmetric_stiffness, K)
+            out.append((K, nodes, columns))
+        return out
+
+
+@dataclass(eq=False)
+class EnclosedVolume(Enclosing):
+    """Holds V: p = lambda + eps (V - V0).
+
+    ``penalty`` eps is negative on a surface whose normals point out of V, so that a volume that has grown is pressed
+    together. FEBio user manual, "Volume constraint".
+    """
+
+    penalty: Number = 0.0
+    laugon: bool = False
+    tolerance: float = 0.0
+    parameters = ("penalty",)
+    multiplier: float = field(init=False, default=0.0)
+
+    @property
+    def augments(self) -> bool:
+        return self.laugon and self.tolerance > 0.0
+
+    def begin(self, state: State, groups: Any) -> None:
+        super().begin(state, groups)
+        self.multiplier = 0.0
+
+    def snapshot(self) -> Any:
+        return self.multiplier
+
+    def restore(self, saved: Any) -> None:
+        self.multiplier = saved
+
     def _growth(self, state: State) -> float:
         """eps (V - V0)."""
         return float(as_value(self.penalty)(state.time, ORIGIN)[0]) * (self.volume(state) - self.start)
 
     def pressure(self, state: State) -> float:
-        """p (above)."""
         return self.multiplier + self._growth(state)
-
-    def residual(self, state: State, R: Floats) -> None:
-        for patch, f in self._areas(state, self.pressure(state)):
-            self.add(state, patch, f, R)
-
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        """That of a given pressure; its change, coupling all nodes, is left to quasi-Newton updates (as in FEBio)."""
-        x, p, out = self.positions(state), np.array([self.pressure(state)]), []
-        for patch in self.surface:
-            K, nodes, columns = self.matrices(state, patch)
-            normal_stiffness(x, *patch.geometry, p, True, K)
-            out.append((K, nodes, columns))
-        return out
 
     def augment(self, done: int, state: State) -> bool:
         """Renew the multiplier; True where eps (V - V0) is small beside the pressure."""
@@ -90,3 +112,17 @@ class EnclosedVolume(SurfaceLoad):
             return True
         self.multiplier += more
         return False
+
+
+@dataclass(eq=False)
+class IdealGas(Enclosing):
+    """A gas at constant temperature: p = P0 V0 / V along the normal. FEBio user manual, "Ideal Gas Pressure"."""
+
+    P0: Number = 0.0
+    parameters = ("P0",)
+
+    def pressure(self, state: State) -> float:
+        return float(as_value(self.P0)(state.time, ORIGIN)[0]) * self.start / self.volume(state)
+
+
+register(IdealGas, "ideal gas pressure")
