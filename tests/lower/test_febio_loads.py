@@ -14,20 +14,23 @@ DECK = """<febio_spec version="4.0"><Module type="solid"/><Control><analysis>STA
 <step_size>0.2</step_size><solver type="solid"><symmetric_stiffness>0</symmetric_stiffness><dtol>1e-9</dtol>
 <etol>1e-15</etol><rtol>0</rtol><max_refs>50</max_refs><qn_method type="BFGS"><max_ups>0</max_ups></qn_method></solver>
 </Control><Material><material id="1" name="m" type="neo-Hookean"><density>0.7</density><E>3</E><v>0.2</v></material>
-</Material><Mesh><Nodes name="N">{nodes}</Nodes><Elements type="hex8" name="p"><elem id="1">1,2,3,4,5,6,7,8</elem></Elements>
-<NodeSet name="b">1,2,3,4</NodeSet><Surface name="s">{facets}</Surface><Surface name="t"><quad4 id="1">5,6,7,8</quad4>
+</Material><Mesh><Nodes name="N">{nodes}</Nodes><Elements type="hex8" name="p"><elem id="1">1,2,3,4,5,6,7,8</elem>
+</Elements><NodeSet name="b">1,2,3,4</NodeSet><Surface name="s">{facets}</Surface>
+<Surface name="t"><quad4 id="1">5,6,7,8</quad4>
 </Surface></Mesh><MeshDomains><SolidDomain name="p" mat="m"/></MeshDomains><Boundary>
 <bc type="zero displacement" node_set="b"><x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof></bc></Boundary>
 <Loads>{loads}</Loads><LoadData><load_controller id="1" type={controller}</load_controller></LoadData></febio_spec>"""
 RAMP = '"loadcurve"><points><pt>0,0</pt><pt>1,1</pt></points>'
-PULL = '<surface_load type="traction" surface="t"><scale lc="1">1</scale><traction>0.1,0.05,0.4</traction></surface_load>'
+PULL = '<surface_load type="traction" surface="t"><scale lc="1">1</scale><traction>0.1,0.05,0.4</traction>'
+PULL += "</surface_load>"
 GAS = '<surface_load type="ideal gas pressure" surface="s"><P0>0.3</P0></surface_load>'
 WAVE = '"math-interval"><math>sin(3*t)</math><interval>{},0.5</interval><left_extend>{}</left_extend>'
 WAVE += "<right_extend>{}</right_extend>"
 CASES = {  # loads, controller, displacement of node 7 in FEBio
     "gas": (GAS + PULL, RAMP, (0.15654364, 0.09164194, 0.13567741)),
     "axial": (
-        '<body_load type="axial force"><scale lc="1">0.8</scale><p>1.5</p><c>0,0.2,0.1</c><axis>0.1,0.2,1</axis></body_load>',
+        '<body_load type="axial force"><scale lc="1">0.8</scale><p>1.5</p><c>0,0.2,0.1</c>'
+        '<axis>0.1,0.2,1</axis></body_load>',
         RAMP, (-0.14631869, -0.076935053, 0.094368592)),
     "radial": (
         '<body_load type="radial force"><p>1.5</p><c>0,0.2,0.1</c><sx lc="1">0.5</sx><sy lc="1">0.7</sy>'
