@@ -181,6 +181,7 @@ class Step:
     constraints: list[LinearConstraint] = field(default_factory=list)
     contacts: list[Any] = field(default_factory=list)  # see contact.base
     adaptors: list[Any] = field(default_factory=list)  # see erosion
+    explicit: Any = None  # central differences instead of equilibrium: see explicit
     again: bool = True  # a time step is solved again once adaptors changed the mesh [adaptor_re_solve]
 
 

@@ -212,7 +212,13 @@ class Run:
         route = Route(self.system, self.options, self.team.n)
         make, reuse = route.decide()
         watch = lambda it: self.tell("iteration", it)  # noqa: E731
-        self.newton = Newton(self.system, make, watch, self.clock, reuse, self._newton_options())
+        rest = make, watch, self.clock, reuse, self._newton_options()
+        if self.step.explicit is None:
+            self.newton = Newton(self.system, *rest)
+        else:
+            from .explicit import Explicit
+
+            self.newton = Explicit(self.system, self.step.explicit, *rest)
         self.totals.linear_solver = self.newton.inverse.solver.name
         return route
 

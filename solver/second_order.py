@@ -34,6 +34,8 @@ def refusal(problem: Problem) -> str:
         return "steps of second order are for transient analyses of biphasic models and of those with solutes"
     if any(s.adaptors for s in [problem.common, *problem.steps]):
         return "steps of second order do not follow erosion"
+    if any(s.explicit for s in problem.steps):
+        return "steps of second order are for implicit analyses"
     if problem.bodies:
         return "rigid bodies turn by steps of first order"
     if any(s.contacts for s in [problem.common, *problem.steps]):

@@ -96,6 +96,8 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         from . import adaptors
 
         adaptors.owners(ctx, [common, *steps])
+    if any(s.explicit for s in steps):
+        _explicit(ctx, blocks, common, steps)
     _midpoint(ctx, blocks, steps)
     _end(ctx, steps)
     if not steps:
@@ -113,6 +115,26 @@ def _layout(model: Model, blocks: list[Block]) -> Layout:
     if model.module in SOLUTES:
         own += [concentration(s.index + 1) for s in solutes(model)]
     return Layout.of(own, *(b.physics.fields for b in blocks))
+
+
+def _explicit(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]) -> None:
+    """Refuse what central differences do not follow here: all but solids and trusses under loads that stay."""
+    for s, spec in zip(steps, ctx.model.steps):
+        if s.explicit is None:
+            continue
+        both, by_rows = (common, s), s.explicit.by_rows
+        lines = {"linear truss"} if by_rows else set()
+        other = [b.name for b in blocks if b.physics.name not in {"standard", *lines} or b.element.startswith("shell_")]
+        found = {
+            "rigid bodies": bool(ctx.rigid), "contact": any(q.contacts for q in both),
+            "constraints": any(q.constraints for q in both), "adaptors": any(q.adaptors for q in both),
+            "an initial velocity (which FEBio passes over)": any(i.velocity for q in both for i in q.initial),
+            "a body load that follows the motion": any(b.moves for q in both for b in q.body_loads),
+            f"the elements of part {other[0] if other else ''!r}": bool(other),
+        }  # fmt: skip
+        for what in (k for k, there in found.items() if there):
+            where = spec.control.where if spec.control else None
+            ctx.refuse(f'{what} with <solver type="explicit-solid">', where)
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from febkit.model import Component, InputError, Where, ranges, values
 from febkit.solver.problem import DYNAMIC, STATIC, STEADY, TRANSIENT, AutoStep, NewtonOptions, Saving, Step
@@ -53,7 +54,11 @@ def step(ctx: Context, control: Component, out: Step) -> None:
     _times(control, out)
     stepper = control.child("time_stepper")
     out.auto = None if stepper is None else _auto(ctx, stepper, out)
-    out.newton = _newton(ctx, control.child("solver"))
+    solver = control.child("solver")
+    if solver is not None and solver.type == "explicit-solid":
+        out.explicit = _explicit(ctx, solver)
+    else:
+        out.newton = _newton(ctx, solver)
     if out.analysis == DYNAMIC:
         _check_integrator(control, out)
     if ctx.model.module == "solute":  # FEBio's solver for one neutral solute has these as they are
@@ -154,6 +159,17 @@ def mixed(ctx: Context, c: Component) -> bool:
     if asked and ctx.model.module != "biphasic":
         ctx.refuse(f'<mixed_formulation> in a "{ctx.model.module}" model', solver.need("mixed_formulation").where)
     return asked
+
+
+def _explicit(ctx: Context, c: Component) -> Any:
+    """<solver type="explicit-solid">."""
+    from febkit.solver.explicit import Central
+
+    ctx.check_tags(c, {"mass_lumping", "dyn_damping"})
+    lumping = c.choice("mass_lumping", {"0": 0, "1": 1, "2": 2}, 2)
+    if lumping == 0:
+        ctx.refuse("<mass_lumping>0</mass_lumping>, which FEBio lacks,", c.need("mass_lumping").where)
+    return Central(lumping == 1, c.float("dyn_damping", 1.0))
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
