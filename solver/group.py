@@ -78,6 +78,7 @@ class Group:
         self.F = np.tile(np.eye(3), (m, g, 1, 1))
         self.J = np.ones((m, g))
         self.Xg = np.einsum("ga,eai->egi", self.N, X[self.conn]).reshape(-1, 3)
+        self.extra: dict[str, Floats] = {}
         self.alive, self._size = np.ones(m, bool), chunk  # elements that were not eroded
         self.chunks = self._cut()
         self.set_history(history.initial(block.solid, m * g))
@@ -90,6 +91,12 @@ class Group:
         if solid.reference(X, self.conn, self.dN, w, self.iJ0, self.wJ0):
             first = int(np.flatnonzero((self.wJ0 <= 0).any(axis=1))[0])
             raise NegativeJacobian(int(self.block.ids[first]), self.block.name)
+
+    def share(self, **arrays: Floats) -> None:
+        """Have laws see arrays of all points (m g, ...), which may change, as ``extra`` of theirs."""
+        self.extra |= arrays
+        self.chunks = self._cut()
+        self._share_history()
 
     def _axes(self) -> Floats | None:
         Q = self.block.axes
@@ -108,6 +115,7 @@ class Group:
                 q = slice(lo * g, hi * g)
                 pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
                 pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
+                pts.extra = {k: v[q] for k, v in self.extra.items()}
                 out.append(Chunk(lo, hi, pts))
         return out
 
@@ -135,6 +143,7 @@ class Group:
         """All integration points of the block as one batch (views)."""
         pts = Points(self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.Xg, np.repeat(np.arange(self.m), self.g))
         pts.Q, pts.old, pts.new = self._axes(), self.old, self.new
+        pts.extra = dict(self.extra)
         return pts
 
     @property
@@ -147,6 +156,7 @@ class Group:
         q = self.m * self.g
         pts = Points(np.tile(np.eye(3), (q, 1, 1)), np.ones(q), self.Xg, np.repeat(np.arange(self.m), self.g))
         pts.Q, pts.old, pts.new = self._axes(), self.old, self.new.copy()
+        pts.extra = dict(self.extra)
         return pts
 
     def pieces(self, c: Chunk) -> Iterator[tuple[int, int, slice, slice]]:

@@ -85,6 +85,10 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
     solid = record(ctx, spec, "solid", d.block)
     if solid is None:
         return None
+    if mixture is not None and top.type in MIXTURES:
+        mixtures.attach(ctx, top, mixture.mixture, solid)
+    elif any(hasattr(node, "sbm") for node in solid.walk()):
+        raise InputError(f"{spec.what} goes by a solid-bound molecule: it is for multiphasic materials", spec.where)
     if mixture is not None:
         for node in solid.walk():
             if hasattr(node, "phi0"):  # porous solids take the porosity of the mixture
@@ -215,6 +219,8 @@ def _field(ctx: Context, cls: Any, c: Component, part: str, fields: dict[str, An
     elif name in cls.parameters:
         default = _defaults(cls).get(name)
         fields[name] = ctx.components(c, len(default), part) if isinstance(default, tuple) else ctx.value(c, maps=part)
+    elif c.tag == "sbm" and hasattr(cls, "sbm"):
+        fields["sbm"] = c.text.strip()  # its place is found where the mixture is known
     elif name in cls.options:
         fields[name] = _option(c, spec.type or spec.tag)
     elif c.tag == "density" and hasattr(cls, "density_"):

@@ -46,6 +46,24 @@ def multiphasic(ctx: Context, spec: Component, part: str) -> Any:
     return None if mixture is None else physics.load("multiphasic")(mixture)
 
 
+def attach(ctx: Context, spec: Component, mixture: Mixture, solid: Any) -> None:
+    """Solids that go by a solid-bound molecule find it in the mixture, rate laws the solid that they go by."""
+    names = [b.name for b in mixture.solid_bound]
+    for node in solid.walk():
+        if hasattr(node, "sbm"):
+            named = find(solid_bound(ctx.model), str(node.sbm), "solid-bound molecule", spec.where).name
+            if named not in names:
+                raise InputError(f'<sbm>: "{named}" is not in {spec.what}', spec.where)
+            node.sbm = names.index(named)
+    molar, m = np.array([b.molar_mass for b in mixture.solid_bound]), len(mixture.solutes)
+    for leaf, reaction in zip(spec.all("reaction"), mixture.reactions):
+        for law_ in reaction.rates:
+            try:
+                law_.attach(solid, reaction.reactants[m:], reaction.products[m:], molar)
+            except ValueError as e:
+                raise InputError(f"{leaf.what}: {e}", leaf.where) from None
+
+
 class _Reader:
     """Reads one material."""
 
@@ -113,6 +131,8 @@ class _Reader:
         def read(c: Component) -> Any:
             if c.tag in ("co_ion", "sol"):
                 return self._local(c)
+            if c.tag == "D" and not c.as_float():
+                return 0.0
             if c.tag in ("solub", "osmc"):
                 return Function(curve(self.ctx, c))
             return None

@@ -22,6 +22,7 @@ from ..multiphasic.solution import Solution
 from ..multiphasic.tangent import add_pressure, point_tangent, pressure_slope
 from ..multiphasic.voigt import full
 from ..points import Points
+from ..solids.bound import Bound
 from . import register
 from .base import Floats, Physics, Work
 from .standard import StandardWork
@@ -52,6 +53,8 @@ class MultiphasicWork(StandardWork):
             from ..multiphasic.membrane import Faces
 
             self.faces = Faces(group)
+        if any(isinstance(s, Bound) for s in group.block.solid.walk()):
+            group.share(bound=self.at.bound)
 
     def symmetric(self, steady: bool) -> bool:
         return False
@@ -67,6 +70,7 @@ class MultiphasicWork(StandardWork):
         pts = Points(g.F.reshape(-1, 3, 3)[q], g.J.reshape(-1)[q], g.Xg[q], np.repeat(np.arange(lo, hi), g.g))
         pts.t, pts.dt = state.time, state.dt
         pts.Q = self._axes(lo, hi)
+        pts.extra = {k: v[q] for k, v in g.extra.items()}
         return q, pts
 
     def _axes(self, lo: int, hi: int) -> Floats | None:
@@ -87,8 +91,14 @@ class MultiphasicWork(StandardWork):
 
     # ---- update -------------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
-        super().update(c, state, drive)
         self._evaluate(c.lo, c.hi, state, Instant(state.dt, self.group.steady) if self.started else None)
+        super().update(c, state, drive)
+        self._remember(c)
+
+    def _remember(self, c: Chunk) -> None:
+        """Rate laws take what they remember of the state."""
+        for law in (k for r in self.mix.reactions for k in r.rates if k.remembers):
+            law.evaluated(c.points, self.at.memory[id(law)][c.lo * self.group.g : c.hi * self.group.g])
 
     def _evaluate(self, lo: int, hi: int, state: State, now: Instant | None) -> None:
         q, pts = self._at(lo, hi, state)

@@ -7,7 +7,10 @@ from .base import ReactionRate
 
 TYPES = {
     "constant reaction rate": "constant",
+    "exp-sed reaction rate": "strained",
+    "Huiskes reaction rate": "strained",
     "Nims reaction rate": "nims",
+    "Ruberti reaction rate": "strained",
     "solute-as-sbm reaction rate": "solute_as_sbm",
 }
 _all: Registry[ReactionRate] = Registry(__name__, TYPES)

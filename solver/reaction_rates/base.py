@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..law import Floats, Law
 from ..multiphasic.solution import Solution
@@ -25,6 +25,16 @@ class ReactionRate(Law):
 
     def by_J(self, pts: Points, sol: Solution) -> Floats | None:
         return None
+
+    def attach(self, solid: Any, used: Floats, made: Floats, molar: Floats) -> None:
+        """Take the solid of the material and, of its solid-bound molecules (b,), what the reaction uses up and makes
+        (stoichiometric coefficients) and the molar masses.
+
+        Raises ValueError where the law makes no sense with them.
+        """
+
+    def evaluated(self, pts: Points, kept: Floats) -> None:
+        """The state has been evaluated: renew what is remembered (n,) of it."""
 
     def begin_step(self, pts: Points, sol: Solution) -> None:
         """Renew what is remembered."""

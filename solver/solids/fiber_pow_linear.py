@@ -39,11 +39,15 @@ class _PowLinear(FiberLaw):
     tension_only = 1
 
     def tension(self, pts: Points, In: Floats, sn: Floats, cn: Floats) -> Floats:
-        _tension(In, self.par(pts), int(self.tension_only), sn, cn)  # type: ignore[attr-defined]
+        _tension(In, self._three(pts), int(self.tension_only), sn, cn)
         return np.empty((0, 0))
 
+    def _three(self, pts: Points) -> Floats:
+        """E, lam0, beta in columns."""
+        return self.par(pts)  # type: ignore[attr-defined, no-any-return]
+
     def fiber_energy(self, pts: Points, In: Floats) -> Floats:
-        E, lam0, beta = self.par(pts).T[:, :, None]  # type: ignore[attr-defined]
+        E, lam0, beta = self._three(pts).T[:, :, None]
         I0 = lam0**2
         ksi = 0.25 * E / (beta - 1) / lam0**3 * (I0 - 1) ** (2 - beta)
         b = ksi * (I0 - 1) ** (beta - 1) + 0.5 * E / lam0

@@ -122,6 +122,9 @@ SIMPLE = {
     ),  # fmt: skip
     "tendon material": dict(g1=0.5, g2=0.5, l1=0.3, l2=4.0, lam_max=1.1, k=20.0, fiber=direction),
     "PRLig": dict(c1=1.0, c2=4.0, mu=1.0, v0=0.4, m=0.8, k=2.0),
+    "Carter-Hayes": dict(E0=2.0, v=0.3, rho0=0.7, gamma=1.5),
+    "fiber-exp-pow sbm": dict(alpha=0.5, beta=2.5, ksi0=2.0, rho0=0.7, gamma=1.5, fiber=direction),
+    "fiber-pow-linear sbm": dict(E0=2.0, lam0=1.05, beta=2.5, rho0=0.7, gamma=1.5, fiber=direction),
     "fiber-exp-pow": dict(alpha=0.5, beta=2.5, ksi=2.0, mu=0.7, lam0=1.0, fiber=direction),
     "fiber-exponential-power-law": dict(alpha=0.5, beta=2.5, ksi=2.0, fiber=direction),
     "fiber-exp-pow-uncoupled": dict(alpha=0.5, beta=2.5, ksi=2.0, mu=0.7, k=10.0, fiber=direction),
