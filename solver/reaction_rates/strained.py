@@ -11,6 +11,8 @@ from ..law import Floats, Number
 from ..multiphasic.solution import Solution
 from ..points import Points
 from ..solids.bound import Bound
+from ..solids.fiber import Fiber, directions
+from ..solids.solid_mixture import SolidMixture
 from . import register
 from .base import ReactionRate
 
@@ -52,7 +54,8 @@ class Huiskes(Strained):
             raise ValueError("the first vP must be a solid-bound molecule")
         product = int(np.flatnonzero(made)[0])
         self.root, self.M = solid, float(molar[product])
-        own = [s for s in getattr(solid, "solid", [solid]) if isinstance(s, Bound) and s.sbm == product]
+        among = solid.solid if isinstance(solid, SolidMixture) else [solid]
+        own = [s for s in among if isinstance(s, Bound) and s.sbm == product]
         if not own:
             raise ValueError("no solid of the material goes by the density of the product")
         self.bearer = own[-1]
@@ -100,17 +103,13 @@ class Ruberti(ReactionRate):
         if not used.any():
             raise ValueError("the first vR must be a solid-bound molecule")
         reactant = int(np.flatnonzero(used)[0])
-        own = [
-            s for s in getattr(solid, "solid", ())
-            if isinstance(s, Bound) and s.sbm == reactant and hasattr(s, "fiber")
-        ]  # fmt: skip
+        among = solid.solid if isinstance(solid, SolidMixture) else ()
+        own = [s for s in among if isinstance(s, Bound) and isinstance(s, Fiber) and s.sbm == reactant]
         if not own:
             raise ValueError("no fibers of a solid mixture go by the density of the reactant")
         self.root, self.fibers = solid, own[-1]
 
     def rate(self, pts: Points, sol: Solution) -> Floats:
-        from ..solids.fiber import directions
-
         kd, sigma = self.par(pts).T
         a = directions(self.fibers.fiber, self.fibers.inner(self.root.inner(pts)))
         stretch = np.linalg.norm(np.einsum("nij,nj->ni", pts.F, np.broadcast_to(a, (pts.n, 3))), axis=1)
