@@ -20,6 +20,7 @@ from febkit.solver.multiphasic.partition import partition
 from febkit.solver.multiphasic.solution import Solution
 from febkit.solver.multiphasic.voigt import full, full4
 from febkit.solver.points import Points
+from febkit.solver.solids.registry import load
 from helpers.mixture_element import Wells, mixture, solute
 
 RNG = np.random.default_rng(4)
@@ -72,7 +73,9 @@ def tensor(law: Any, i: int) -> Any:
 
 def test_every_kind_is_tested() -> None:
     assert set(DIFFUSIVITIES) == set(diffusivities.TYPES)
-    assert {"constant reaction rate", "Nims reaction rate", "solute-as-sbm reaction rate"} == set(reaction_rates.TYPES)
+    strained = {"Huiskes reaction rate", "exp-sed reaction rate", "Ruberti reaction rate"}
+    other = {"constant reaction rate", "Nims reaction rate", "solute-as-sbm reaction rate"}
+    assert strained | other == set(reaction_rates.TYPES)
     assert {"supply-const", "supply-binding", "supply-synthesis-binding", "supply-Michaelis-Menten"} == set(
         solute_supplies.TYPES
     )
@@ -158,6 +161,30 @@ def test_nims_rate_remembers_the_largest_concentration() -> None:
 def test_rate_per_referential_volume() -> None:
     law = reaction_rates.load("solute-as-sbm reaction rate")(k0=0.3)
     assert np.allclose(law.by_J(*evaluated(F0, C0)), by_J(law.rate), atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters"), [("Huiskes", {"B": 0.4, "psi0": 0.01}), ("exp-sed", {"B": 0.3, "Psi0": 0.2})]
+)
+def test_rates_by_strain(kind: str, parameters: dict[str, float]) -> None:
+    """At a held strain energy, which is that of the last evaluation; the energy is taken of the solid."""
+    law = reaction_rates.load(f"{kind} reaction rate")(**parameters)
+    bone = load("solid", "Carter-Hayes")(E0=2.0, v=0.2, rho0=0.5, gamma=2.0)
+    law.attach(bone, np.zeros(1), np.ones(1), np.array([3.0]))
+    W = np.linspace(0.05, 0.1, N)
+
+    def rate(pts: Points, sol: Solution) -> np.ndarray:
+        sol.bound, sol.memory[id(law)] = np.full((N, 1), 0.4), W
+        return law.rate(pts, sol)
+
+    pts, sol = evaluated(F0, C0)
+    k = rate(pts, sol)
+    rho = PHI * 0.5 + 0.4  # the solid for itself has its reference density
+    exact = 0.4 * (W / rho - 0.01) / 3.0 if kind == "Huiskes" else 0.3 * np.exp(W / 0.2)
+    assert np.allclose(k * (pts.J - PHI), exact)
+    assert np.allclose(law.by_J(pts, sol), by_J(rate), atol=1e-8)
+    law.evaluated(pts, sol.memory[id(law)])
+    assert np.allclose(sol.memory[id(law)], bone.energy(pts))
 
 
 def test_binding_conserves_the_solute() -> None:
