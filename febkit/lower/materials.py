@@ -12,7 +12,7 @@ from febkit.solver.problem import Block
 from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
 
-from . import shells
+from . import element_types, shells
 from .context import Context, compiled
 from .curves import curve, of_one
 from .laws import law
@@ -118,11 +118,7 @@ def _formulation(ctx: Context, d: Domain, block: Block, mixture: bool) -> None:
         ctx.refuse(f'<SolidDomain type="{d.type}">', d.where)
     if options is not None:
         ctx.check_tags(options, OPTIONS)
-        if options.child("elem_type") is not None and options.str("elem_type"):
-            from febkit.solver import elements
-
-            name, rule, _ = elements.from_spec(options.str("elem_type"))  # noqa: RUF059
-            block.rule = rule
+        block.rule = element_types.rule(ctx, d, block.element)
     can = block.element in THREE_FIELD and block.solid.uncoupled and not mixture
     three = d.type == "three-field-solid" or (can and d.type in (None, ""))
     if three and block.solid.uncoupled and not mixture:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from febkit.model import Component, Domain, InputError
+from febkit.model import Domain, InputError
 from febkit.solver import elements, physics
 from febkit.solver.problem import Block
 
+from . import element_types
 from .context import Context
 
 #: formulations of <ShellDomain type=> by the material's type; where none is said it is FEBio's choice
@@ -52,12 +53,6 @@ def assumed(ctx: Context, d: Domain, block: Block) -> bool:
 def three_field(d: Domain, facet: str) -> bool:
     """FEBio's choice for uncoupled materials: three-field on quad4, standard on the others."""
     return d.type == "three-field-shell" or (not d.type and facet == "quad4")
-
-
-def rule(spec: Component | None) -> str | None:
-    """Integration rule asked for by elem_type, such as QUAD4G12."""
-    name = spec.str("elem_type") if spec is not None else ""
-    return name[name.rindex("G"):] if "G" in name else None
 
 
 def thickness(ctx: Context, d: Domain, needed: bool = True) -> np.ndarray:
@@ -121,5 +116,6 @@ def thick(ctx: Context, blocks: list[Block], domains: dict[str, Domain]) -> tupl
     for b, conn in zip([*shells, *solids], [*made.shells, *made.solids], strict=True):
         b.conn = conn
     for b in shells:
-        b.element, b.rule = f"shell_{ctx.blocks[b.name].type}", rule(domains[b.name].spec)
+        b.element = f"shell_{ctx.blocks[b.name].type}"
+        b.rule = element_types.rule(ctx, domains[b.name], b.element)
     return made.X, made.back

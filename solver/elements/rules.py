@@ -22,7 +22,7 @@ DEGREE = {
     "line1": 1, "line2": 3, "line3": 5, "quad4": 3, "quad9": 5, "quad16": 7,
     "hex1": 1, "hex6": 3, "hex8": 3, "hex12": 3, "hex18": 3, "hex27": 5,
     "tri1": 1, "tri3": 2, "tri4": 3, "tri7": 5, "tet1": 1, "tet4": 2, "tet8": 3, "tet11": 4, "tet15": 5,
-    "penta6": 2, "penta8": 3, "penta14": 3, "penta21": 5,
+    "penta6": 2, "penta8": 3, "penta9": 1, "penta14": 3, "penta21": 5,
 }
 
 
@@ -71,6 +71,8 @@ def _hex(n: int) -> Rule:
 
 
 def _penta(n: int) -> Rule:
+    if n == 9:  # FEBio's, whose outer points are at 2/3 for sqrt(3/5)
+        return _times(_tri(3), (np.array([[-2.0], [0.0], [2.0]]) / 3.0, _line(3)[1]))
     plane, height = {6: (3, 2), 8: (4, 2), 14: (7, 2), 21: (7, 3)}[n]
     return _times(_tri(plane), _line(height))
 

@@ -61,6 +61,10 @@ DECKS = {
         TWO, s.mesh("tri3", 2), s.SHELL + INSIDE,
         s.zero("low", "xyz") + SIDE + DRAINED + s.given("displacement", "shell", -0.05, "z", 1),
     ),
+    "tri3 of nine points": s.deck(
+        TWO, s.mesh("tri3", 2), s.SHELL.replace('"s"', '"s" elem_type="TRI3G9"') + INSIDE,
+        s.zero("low", "xyz") + SIDE + DRAINED + s.given("displacement", "shell", -0.05, "z", 1),
+    ),
     "tri3 under a solid": s.deck(
         TWO, s.mesh("tri3", 0, 2), s.SHELL + '<SolidDomain name="A" mat="m"/>',
         s.zero("high", "xyz") + SIDE + s.given("displacement", "shell", -0.05, "z", 1) + BEHIND,
@@ -95,6 +99,15 @@ FEBIO = {
         "effective_fluid_pressure": {9: 0.03139186, 18: 0.0731137},
         "effective_shell_fluid_pressure": {0: 0.0138493, 1: 0.01726527},
         "fluid_flux": {26: 0.0003732746, 56: 0.001192702},
+    },
+
+    "tri3 of nine points": {
+        "displacement": {2: -0.05},
+        "shell_displacement": {2: -0.04935778, 11: -0.04965346},
+        "stress": {0: 0.0732265, 104: -0.08011407},
+        "effective_fluid_pressure": {9: 0.03139173, 18: 0.07310607},
+        "effective_shell_fluid_pressure": {0: 0.01385362, 1: 0.01726631},
+        "fluid_flux": {26: 0.0003733632, 56: 0.001191702},
     },
     "tri3 under a solid": {
         "displacement": {2: -0.05},
