@@ -86,11 +86,22 @@ class Group:
         self.physics = block.physics.open(self)
 
     def _measure(self, X: Floats) -> None:
-        """Inverse Jacobians and weights of the reference. Raises NegativeJacobian."""
+        """Inverse Jacobians and weights of the reference. Raises NegativeJacobian, but for shells (:meth:`folded`)."""
         w = np.ascontiguousarray(self.element.weights)
         if solid.reference(X, self.conn, self.dN, w, self.iJ0, self.wJ0):
-            first = int(np.flatnonzero((self.wJ0 <= 0).any(axis=1))[0])
-            raise NegativeJacobian(int(self.block.ids[first]), self.block.name)
+            bad = self.wJ0 == 0 if self.shell else self.wJ0 <= 0
+            for first in np.flatnonzero(bad.any(axis=1))[:1]:
+                raise NegativeJacobian(int(self.block.ids[first]), self.block.name)
+
+    def folded(self) -> str:
+        """What to warn of where shells are thicker than they are bent: as in FEBio their volume is negative there."""
+        bad = np.flatnonzero((self.wJ0 < 0).any(axis=1))
+        if not len(bad):
+            return ""
+        return (
+            f"part {self.block.name!r}: {len(bad)} of {self.m} shell elements are folded over within their thickness, "
+            f"the first is {self.block.ids[bad[0]]}; as in FEBio their volume counts as negative there"
+        )
 
     def share(self, **arrays: Floats) -> None:
         """Have laws see arrays of all points (m g, ...), which may change, as ``extra`` of theirs."""

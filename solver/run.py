@@ -134,6 +134,8 @@ class Run:
         self._initial(self.problem.common)
         self._begin(self.problem.common)
         self.tell("start")
+        for message in filter(None, (g.folded() for g in self.groups)):
+            self.tell("warning", message)
         if len(self.problem.steps) == 1:
             self._first_state()
 

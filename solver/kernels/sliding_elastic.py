@@ -15,13 +15,15 @@ from ..jit import kernel
 from . import contact, facets
 
 ROUNDING = 16 * np.finfo(float).eps
+TOUCH = 1e-30  # a penetration that pushes with nothing, and yet counts
 
 
 @kernel
 def gaps(points, normals, place, partner, offset, radius, tension, eps, L, gap):
     """Penetrations (q,); points too deep, or apart without tension, lose their partner. L (q,) multipliers.
 
-    Points that touch to rounding are apart: half of them would push, at random, and Newton's first step with them.
+    Points that touch to rounding have no force, and a tangent: Newton's first step knows of the other surface. In FEBio
+    half of them do, at random.
     """
     for q in range(len(partner)):
         gap[q] = 0.0
@@ -30,8 +32,10 @@ def gaps(points, normals, place, partner, offset, radius, tension, eps, L, gap):
             for i in range(3):
                 g += normals[q, i] * (points[q, i] - place[q, i])
                 size += abs(normals[q, i]) * (abs(points[q, i]) + abs(place[q, i]))
+            if L[q] == 0.0 and abs(g) <= ROUNDING * size:
+                g = TOUCH
             gap[q] = g
-            apart = L[q] + eps[q] * g < 0.0 or (L[q] == 0.0 and abs(g) < ROUNDING * size)
+            apart = L[q] + eps[q] * g < 0.0
             if g > radius or (not tension and apart):
                 partner[q] = -1
         if partner[q] < 0:

@@ -143,13 +143,16 @@ def test_the_search_scales(name: str) -> None:
     assert taken[1] < 12 * max(taken[0], 1e-3)
 
 
-def test_points_that_touch_to_rounding_are_apart() -> None:
-    """FEBio's shells pressed on each other from contact without a gap (its test sh20) stall where half of them push."""
+def test_points_that_touch_to_rounding_have_a_tangent_alone() -> None:
+    """FEBio's shells met by a rigid one without a gap as a step ends (its test sh29) turn inside out without it."""
     p = scene.Pair(gap=0.1)
     slide = make("sliding-elastic", p, penalty=10.0)
     state = scene.started(p, slide)
     shift = np.zeros_like(p.X)
-    for ulps, pushed in ((0.0, False), (1.0, False), (-1.0, False), (1e4, True)):
-        shift[np.unique(p.top), 2] = -0.1 - ulps * np.finfo(float).eps
-        scene.forces(slide, state, shift)
-        assert (slide.sides[0].partner >= 0).any() == pushed
+    eps = np.finfo(float).eps
+    cases = [(0.0, False, True), (1.0, False, True), (-1.0, False, True), (1e4, True, True), (-1e4, False, False)]
+    for ulps, pushed, met in cases:
+        shift[np.unique(p.top), 2] = -0.1 - ulps * eps
+        R = scene.forces(slide, state, shift)
+        assert (np.abs(R).max() > eps) == pushed
+        assert (np.abs(scene.stiffness(slide, state)).max() > 1e-3) == met
