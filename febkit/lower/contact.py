@@ -45,10 +45,9 @@ NORMAL: dict[str, Reader] = {
     **COMMON, "gaptol": NUMBER, "auto_penalty": FLAG, "two_pass": FLAG, "knmult": NUMBER, "search_tol": NUMBER,
     "search_radius": NUMBER,
 }  # fmt: skip
-FLUX: dict[str, Reader] = {
-    **NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
-    "concentration_penalty": NUMBER,
-}  # fmt: skip
+SLIDING: dict[str, Reader] = {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "smooth_aug": FLAG}
+FLUID: dict[str, Reader] = {"ptol": NUMBER, "pressure_penalty": NUMBER}
+FLUX: dict[str, Reader] = {**FLUID, "ctol": NUMBER, "concentration_penalty": NUMBER}
 OF_MIXTURES = ("tied-multiphasic", "sliding-biphasic-solute", "sliding-multiphasic")
 PARAMETERS: dict[str, dict[str, Reader]] = {
     "tied-node-on-facet": {**COMMON, "search_tolerance": NUMBER, "max_distance": NUMBER, "special": FLAG},
@@ -60,17 +59,14 @@ PARAMETERS: dict[str, dict[str, Reader]] = {
     },
     "tied-facet-on-facet": {**COMMON, "search_tolerance": NUMBER, "gap_offset": FLAG},
     "tied-elastic": {**NORMAL, "symmetric_stiffness": FLAG},
-    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER},
-    "sliding-biphasic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "ptol": NUMBER, "pressure_penalty": NUMBER},
-    "tied-multiphasic": {
-        **NORMAL, "symmetric_stiffness": FLAG, "ptol": NUMBER, "pressure_penalty": NUMBER, "ctol": NUMBER,
-        "concentration_penalty": NUMBER,
-    },
-    "sliding-biphasic-solute": FLUX,
-    "sliding-multiphasic": FLUX,
+    "tied-biphasic": {**NORMAL, "symmetric_stiffness": FLAG, **FLUID},
+    "tied-multiphasic": {**NORMAL, "symmetric_stiffness": FLAG, **FLUX},
+    "sliding-elastic": {**SLIDING, "tension": FLAG, "offset": NUMBER},
+    "sliding-biphasic": {**SLIDING, **FLUID},
+    "sliding-biphasic-solute": {**SLIDING, **FLUX},
+    "sliding-multiphasic": {**SLIDING, **FLUX},
     "sliding-node-on-facet": {**NORMAL, "seg_up": WHOLE},
     "sliding-facet-on-facet": {**NORMAL, "seg_up": WHOLE},
-    "sliding-elastic": {**NORMAL, "knmult": WHOLE, "seg_up": WHOLE, "tension": FLAG, "offset": NUMBER},
 }
 # what counts with friction alone
 WETS: dict[str, Reader] = {"contact_frac": NUMBER, "smooth_fls": FLAG}
@@ -115,7 +111,7 @@ def _contact(ctx: Context, c: Component) -> Any:
     ctx.check_tags(c, known)
     kw: dict[str, Any] = {}
     for leaf in c:
-        if leaf.tag in UNUSED and leaf.as_bool():
+        if leaf.tag in UNUSED and leaf.tag not in table and leaf.as_bool():
             ctx.refuse(f'<{leaf.tag}> of <contact type="{c.type}">', leaf.where)
         if leaf.tag in table:
             kw[leaf.tag] = table[leaf.tag](ctx, leaf)
@@ -125,7 +121,8 @@ def _contact(ctx: Context, c: Component) -> Any:
         kw |= {tag: read(ctx, c.need(tag)) for tag, read in BESIDES.get(c.type or "", {}).items() if c.child(tag)}
     offset = c.bool("offset_shells") or c.type == "sliding-node-on-facet"
     first, second = _pair(ctx, c)
-    needs = bool(kw.get("auto_penalty")) or "biphasic" in (c.type or "") or c.type in OF_MIXTURES
+    needs = any(kw.get(tag) for tag in ("auto_penalty", "smooth_aug")) or "biphasic" in (c.type or "")
+    needs = needs or c.type in OF_MIXTURES
     if c.type in OF_MIXTURES:
         kw["RT"] = ctx.model.constants.get("R", 0.0) * ctx.model.constants.get("T", 0.0)
         if c.type != "sliding-biphasic-solute" and kw.get("auto_penalty") and c.bool("update_penalty"):

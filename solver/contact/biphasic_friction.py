@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from .. import elements
 from ..fields import PRESSURE
 from ..kernels import contact_flow
-from ..multiphasic.voigt import full
 from . import register
 from .base import Floats, Ints, Progress, Side
+from .behind import load_support
 from .passage import Passage
 from .sliding_biphasic import SlidingBiphasic, SlidingFluid
 from .sliding_friction import FrictionPoints, SlidingFriction
 
 if TYPE_CHECKING:
-    from ..group import Group
     from ..state import State
 
 
@@ -44,10 +42,6 @@ class BiphasicFriction(SlidingBiphasic, SlidingFriction):
     smooth_fls: bool = False
     side: ClassVar[type[Side]] = FluidFriction
 
-    def prepare(self, state: State, groups: list[Group]) -> None:
-        super().prepare(state, groups)
-        self._groups = groups
-
     def update(self, state: State, progress: Progress) -> None:
         super().update(state, progress)
         around = self.ambient(state)[PRESSURE.name]
@@ -60,7 +54,7 @@ class BiphasicFriction(SlidingBiphasic, SlidingFriction):
 
     def fluid(self, s: FrictionPoints, state: State) -> Floats:
         assert isinstance(s, FluidFriction)
-        return load_support(s, self._groups, state, self.ambient(state)[PRESSURE.name]) if self.smooth_fls else s.p1
+        return load_support(s, self.groups, state, self.ambient(state)[PRESSURE.name]) if self.smooth_fls else s.p1
 
     def tractions(self, s: FrictionPoints, state: State) -> None:
         super().tractions(s, state)
@@ -85,38 +79,6 @@ class BiphasicFriction(SlidingBiphasic, SlidingFriction):
     def drag(self, s: FrictionPoints) -> Floats:
         assert isinstance(s, FluidFriction)
         return self.fric_coeff * np.maximum(s.multiplier - (1.0 - self.contact_frac) * s.p1, 0.0)
-
-
-def load_support(s: Side, groups: list[Group], state: State, around: float) -> Floats:
-    """-p / (n . s . n) at the points (q,), from the means of pressure and stress in the elements behind their facets.
-
-    p is the pressure above that ``around``; 0 where no element with a stress is behind. As in FEBio the normals of a
-    facet's first points count as those of its nodes, between whose values the shape functions go.
-    """
-    w, out, n = s.surface, np.zeros(s.n), s.normals
-    for kind, rows in w.kinds:
-        e, facets = elements.get(kind, w.given.rules.get(kind)), np.arange(rows.start, rows.stop)
-        at = np.flatnonzero(np.isin(w.facet, facets)).reshape(len(facets), e.npoints)
-        owner = w.given.owner.get(kind, np.full((len(facets), 2), -1))
-        for block in np.unique(owner[:, 0][owner[:, 0] >= 0]):
-            mine = owner[:, 0] == block
-            stress, p = _means(groups[int(block)], owner[mine, 1], state)
-            normals = n[at[mine]][:, : e.nodes]
-            tn = np.einsum("fai,fij,faj->fa", normals, full(stress), normals)
-            ratio = np.divide(around - p[:, None], tn, out=np.zeros_like(tn), where=tn != 0.0)
-            out[at[mine]] = ratio @ e.N.T
-    return out
-
-
-def _means(g: Group, e: Ints, state: State) -> tuple[Floats, Floats]:
-    """Stress (k, 6) and fluid pressure (k,) of elements e; no stress of shells."""
-    if g.shell:
-        return np.zeros((len(e), 6)), np.zeros(len(e))
-    stress = g.physics.outputs["stress"](g.physics)
-    assert stress is not None
-    if PRESSURE.name not in g.fields:
-        return stress[e].mean(axis=1), np.zeros(len(e))
-    return stress[e].mean(axis=1), state.layout.scalar(state.d, PRESSURE.name)[g.conn[e]] @ g.N.mean(axis=0)
 
 
 register(BiphasicFriction, "sliding-biphasic with friction")

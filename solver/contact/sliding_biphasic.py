@@ -61,6 +61,13 @@ class SlidingBiphasic(SlidingElastic):
         super().__post_init__()
         self.knmult = 1  # FEBio has no other tangent here
 
+    @property
+    def projected(self) -> list[Side]:
+        """A secondary surface that holds fluid is projected, too, for its gaps count when multipliers are augmented."""
+        other = self.sides[1]
+        assert isinstance(other, SlidingFluid)
+        return self.sides if self.laugon and other.wet else self.passes
+
     def carried(self, groups: list[Group]) -> list[tuple[str, float]]:
         """Fields that pass, and their penalties."""
         return [(PRESSURE.name, self.pressure_penalty)]
@@ -132,7 +139,7 @@ class SlidingBiphasic(SlidingElastic):
         steps = Steps()
         for s in self.sides:
             assert isinstance(s, SlidingFluid)
-            new = self.trial(s, state)
+            new = self.renewed(s, state)
             for q in s.passages:
                 touching = (new > 0.0) & q.own.any()
                 q.multiplier = np.where(touching, q.multiplier + q.penalty * q.conductance * q.step, 0.0)

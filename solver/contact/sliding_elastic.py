@@ -37,7 +37,8 @@ class SlidingElastic(Contact):
     """A pressure p = max(L + eps g, 0) per current area along the normal of the primary surface (``two_pass``: both).
 
     g is the penetration where the normal of an integration point meets the other surface, within
-    ``search_radius``; ``tension`` lets p be negative. FEBio User Manual, "Sliding-Elastic".
+    ``search_radius``; ``tension`` lets p be negative; ``smooth_aug``: the multipliers L are tractions of the stress in
+    the elements behind. FEBio User Manual, "Sliding-Elastic".
     """
 
     auto_penalty: bool = False
@@ -48,6 +49,7 @@ class SlidingElastic(Contact):
     seg_up: int = 0
     tension: bool = False
     offset: float = 0.0
+    smooth_aug: bool = False
     side: ClassVar[type[Side]] = SlidingPoints
 
     def __post_init__(self) -> None:
@@ -69,6 +71,7 @@ class SlidingElastic(Contact):
 
     def prepare(self, state: State, groups: list[Group]) -> None:
         """Take from the elements behind the sides what does not change."""
+        self.groups = groups
         if self.auto_penalty:
             for s in self.sides:
                 s.modulus = self.moduli(s, state, groups)
@@ -86,7 +89,7 @@ class SlidingElastic(Contact):
 
     def project(self, state: State, search: bool) -> None:
         x = state.x
-        for s in self.passes:
+        for s in self.projected:
             assert isinstance(s, SlidingPoints)
             s.frames(x)
             s.meet(x, self.search_tol, self.search_radius, absolute=False, update=search)
@@ -160,12 +163,29 @@ class SlidingElastic(Contact):
         for s in self.sides:
             assert isinstance(s, SlidingPoints)
             n0 += float((s.multiplier**2).sum())
-            new = self.trial(s, state)
+            new = self.renewed(s, state)
             counts = (new > 0.0) | self.tension
             gap = max(gap, float(np.abs(s.gap[counts]).max(initial=0.0)))
             s.multiplier = new if self.tension else np.maximum(new, 0.0)
             n1 += float((s.multiplier**2).sum())
         return n0, n1, gap
+
+    def renewed(self, s: Side, state: State) -> Floats:
+        """The next multipliers of the pressure (q,), where it is one."""
+        return -(self.behind(s) * s.normals).sum(axis=1) if self.smooth_aug else self.trial(s, state)
+
+    def behind(self, s: Side) -> Floats:
+        """Tractions of the stress behind a side (q, 3), or its share of two passes; none where it is not projected."""
+        from .behind import tractions
+
+        if s not in self.projected:
+            return np.zeros((s.n, 3))
+        return tractions(s, self.groups) * (0.5 if self.two_pass else 1.0)
+
+    @property
+    def projected(self) -> list[Side]:
+        """The sides that are projected on the others."""
+        return self.passes
 
     def trial(self, s: Side, state: State) -> Floats:
         """L + eps g (q,)."""

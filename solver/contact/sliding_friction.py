@@ -57,7 +57,7 @@ class SlidingFriction(SlidingElastic):
 
     def project(self, state: State, search: bool) -> None:
         super().project(state, search)
-        for s in self.passes:
+        for s in self.projected:
             assert isinstance(s, FrictionPoints)
             apart = s.partner < 0
             s.dg[apart] = s.traction_multiplier[apart] = 0.0
@@ -134,11 +134,14 @@ class SlidingFriction(SlidingElastic):
         n0 = n1 = gap = 0.0
         for s in self.sides:
             assert isinstance(s, FrictionPoints)
-            stick, new = s.sticks, self.trial(s, state)
+            stick, new = s.sticks, self.renewed(s, state)
+            if self.smooth_aug:
+                held = self.behind(s)
+            else:
+                held = s.traction_multiplier + self.stiffnesses(s, state)[:, None] * s.dg
             n0 += float(np.where(stick, (s.traction_multiplier**2).sum(axis=1), s.multiplier**2).sum())
             size = np.where(stick, np.linalg.norm(s.dg, axis=1), np.abs(s.gap))
             gap = max(gap, float(size[new > 0.0].max(initial=0.0)))
-            held = s.traction_multiplier + self.stiffnesses(s, state)[:, None] * s.dg
             s.multiplier = np.where(stick, new, np.maximum(new, 0.0))
             slipping = -(s.normals * s.multiplier[:, None] + s.s * self.drag(s)[:, None])
             s.traction_multiplier = np.where(stick[:, None], held, slipping)

@@ -36,6 +36,7 @@ def test_parameters_reach_the_solver(tmp_path: Path) -> None:
         "<search_radius>2</search_radius><tension>1</tension><auto_penalty>1</auto_penalty><maxaug>4</maxaug>",
     )
     assert (c.laugon, c.two_pass, c.gaptol, c.tolerance, c.search_radius) == (True, True, 0.1, 0.3, 2.0)
+    assert made(tmp_path, "<smooth_aug>true</smooth_aug>").smooth_aug
     assert (c.tension, c.auto_penalty, c.maxaug, c.minaug) == (True, True, 4, 0)
     assert c.primary.owner["quad4"].tolist() == [[0, 0]]
     assert c.penalty(0.0, None, [0])[0] == 7.0
@@ -75,7 +76,7 @@ def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
         ("sliding-biphasic-mixed", "", 'contact type="sliding-biphasic-mixed"'),
         ("contact potential", "<check_intersections>1</check_intersections>", "<check_intersections>"),
         ("tied-node-on-facet", "<laugon>LAGMULT</laugon>", "LAGMULT"),
-        ("sliding-elastic", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
+        ("sliding-facet-on-facet", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
         ("sliding-elastic", "<node_reloc>1</node_reloc>", "<node_reloc>"),
         ("sliding-elastic", "<strange>1</strange>", "<strange>"),
         ("sliding-biphasic", "", "without fluid"),

@@ -79,7 +79,7 @@ def test_fluid_relieves_points_that_slip(mu: float, sticks: bool) -> None:
 
 def test_the_fluid_bears_its_share_of_the_stress() -> None:
     """f = -p / (n . sigma . n): 1 where the solid bears nothing, less with it, nothing above the pressure around."""
-    from febkit.solver.contact.biphasic_friction import load_support
+    from febkit.solver.contact.behind import load_support
     from febkit.solver.group import Group
 
     p = scene.Pair(n=4, biphasic=True)

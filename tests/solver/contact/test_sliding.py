@@ -156,3 +156,21 @@ def test_points_that_touch_to_rounding_have_a_tangent_alone() -> None:
         R = scene.forces(slide, state, shift)
         assert (np.abs(R).max() > eps) == pushed
         assert (np.abs(scene.stiffness(slide, state)).max() > 1e-3) == met
+
+
+@pytest.mark.parametrize("two_pass", [False, True])
+def test_smooth_augmentation_takes_the_stress_behind(two_pass: bool) -> None:
+    """A stress that is linear over the elements is found on their facets; each of two passes takes half."""
+    p = scene.Pair(n=4, skew=0.1)
+    slide = make("sliding-elastic", p, penalty=10.0, laugon=True, smooth_aug=True, two_pass=two_pass, tolerance=0.5)
+    state = scene.State.at_rest(p.problem(slide, 0.0))
+    groups = [scene.Group(b, p.X) for b in p.blocks]
+    slide.begin(state, groups)
+    for g in groups:
+        g.physics.s[:, :, 2] = -1.0 - 0.3 * g.Xg[:, 0].reshape(g.m, g.g)
+    scene.forces(slide, state, np.zeros_like(p.X))
+    assert not slide.augment(0, state)
+    for s in slide.passes:
+        expected = (1.0 + 0.3 * s.points[:, 0]) * (0.5 if two_pass else 1.0)
+        assert s.multiplier == pytest.approx(expected)
+    assert slide.augment(1, state)  # they are what they were
