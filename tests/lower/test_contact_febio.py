@@ -36,7 +36,8 @@ DECK = """<?xml version="1.0"?>
 <bc node_set="top" type="prescribed displacement"><dof>z</dof><value lc="1">{down}</value></bc>
 </Boundary>
 {contact}
-<LoadData><load_controller id="1" type="loadcurve"><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>
+<LoadData><load_controller id="1" type="loadcurve"><points><pt>0,0</pt><pt>1,1</pt></points></load_controller>
+</LoadData>
 </febio_spec>
 """
 NEO_HOOKEAN = 'type="neo-Hookean"><density>1</density><E>1</E><v>0.3</v>'
