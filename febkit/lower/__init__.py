@@ -84,6 +84,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         common.loads += membranes.fluxes(ctx, blocks, domains)
     steps = [_step(ctx, s) for s in model.steps]
     rigid.check(ctx, [(common, s) for s in steps])
+    if ctx.bonded:
+        from . import bonds
+
+        bonds.settle(ctx, common, steps)
     if any(s.constraints for s in (common, *steps)):
         from . import ties
 
@@ -229,7 +233,7 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
     if spec.contact:
         from .contact import contacts
 
-        out.contacts += contacts(ctx, spec.contact)
+        contacts(ctx, out, spec.contact)
 
 
 __all__ = ["lower", "unsupported"]

@@ -15,6 +15,7 @@ from febkit.solver import contact as records
 from febkit.solver import elements
 from febkit.solver.elements import nodal
 from febkit.solver.fields import concentration
+from febkit.solver.problem import Step
 
 from . import shells
 from .context import Context
@@ -22,14 +23,11 @@ from .context import Context
 Reader = Callable[[Context, Component], Any]
 
 
-METHODS = {"penalty": False, "auglag": True, "lagmult": None, "0": False, "1": True, "2": None}
+METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
 
 
 def _laugon(ctx: Context, leaf: Component) -> bool:
-    method = leaf.as_choice(METHODS)
-    if method is None:
-        ctx.refuse("<laugon>LAGMULT</laugon>", leaf.where)
-    return bool(method)
+    return leaf.as_choice(METHODS) == 1
 
 
 RULES = {"default": False, "higher-order": True, "0": False, "1": True}
@@ -87,9 +85,8 @@ READ = frozenset({
 })  # fmt: skip
 
 
-def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
-    """Contacts in file order."""
-    out = []
+def contacts(ctx: Context, out: Step, specs: tuple[Component, ...]) -> None:
+    """Contacts of a step, in file order."""
     for c in specs:
         if c.tag != "contact" or c.type not in PARAMETERS or not records.known(c.type):
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
@@ -97,8 +94,13 @@ def contacts(ctx: Context, specs: tuple[Component, ...]) -> list[Any]:
         if ("biphasic" in c.type or c.type in OF_MIXTURES) and not ctx.layout.has("p"):
             ctx.refuse(f'<{c.tag} type="{c.type}"> in a model without fluid', c.where)
             continue
-        out.append(_contact(ctx, c))
-    return out
+        made = _contact(ctx, c)
+        if c.type == "contact potential" or c.choice("laugon", METHODS, 0) != 2:
+            out.contacts.append(made)
+        elif c.type == "tied-node-on-facet" and not c.bool("offset_shells"):
+            ctx.bonded.append((out, c, made))
+        else:  # FEBio has no other contact by multipliers
+            ctx.refuse(f'<laugon>LAGMULT</laugon> of <contact type="{c.type}">', c.need("laugon").where)
 
 
 def _contact(ctx: Context, c: Component) -> Any:

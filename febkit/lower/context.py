@@ -28,6 +28,7 @@ from febkit.solver.values import Composed, Constant, Expression, Map, Scaled, Va
 
 if TYPE_CHECKING:
     from febkit.model.math import Formula
+    from febkit.solver.contact.tied_node import TiedNode
     from febkit.solver.controllers import LoadCurve
     from febkit.solver.problem import Block, Problem
 
@@ -97,6 +98,7 @@ class Context:
         self.centres: list[np.ndarray] = []  # and their centres, by index
         self.numbers: dict[str, int] = {}  # places of the blocks in the problem, by name
         self.made: list[Block] = []  # and the blocks
+        self.bonded: list[tuple[Step, Component, TiedNode]] = []  # tied contacts by multipliers, and their steps
         self.common = Step()  # what acts in every step
         self.lower: Callable[[Model], Problem]  # lowers another model, which this one names
         self._made_data: dict[int, np.ndarray | None] = {}

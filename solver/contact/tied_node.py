@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ..kernels import contact
 from . import register
-from .base import Contact, Floats, Matrices, Progress, Side, matrices
+from .base import Contact, Floats, Ints, Matrices, Progress, Side, Surface, matrices
 
 if TYPE_CHECKING:
     from ..group import Group
@@ -54,6 +55,17 @@ class TiedNode(Contact):
         if self.max_distance > 0.0:
             s.partner[np.linalg.norm(points - s.place, axis=1) > self.max_distance] = -1
         self.update(state, Progress())
+
+    def bonds(self, X: Floats) -> Iterator[tuple[int, Ints, Floats, Floats]]:
+        """Tied nodes at positions X, the nodes of their facets, shape functions there, and gaps (3,)."""
+        s = self.side(Surface(self.primary, X), Surface(self.secondary, X), True)
+        s.closest(X, self.search_tolerance, 0.0, self.special, keep=False)
+        s.shapes(X)
+        gap = s.positions(X) - s.place
+        near = (self.max_distance <= 0.0) | (np.linalg.norm(gap, axis=1) <= self.max_distance)
+        for k in np.flatnonzero((s.partner >= 0) & near):
+            facet, n = s.other.conn[s.partner[k]], s.other.count[s.partner[k]]
+            yield int(s.surface.nodes[k]), facet[:n], s.M[k, :n], gap[k]
 
     def update(self, state: State, progress: Progress) -> None:
         s, x = self.sides[0], state.x

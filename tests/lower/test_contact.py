@@ -75,7 +75,8 @@ def test_flipped_surfaces_face_the_other_way(tmp_path: Path) -> None:
     [
         ("sliding-biphasic-mixed", "", 'contact type="sliding-biphasic-mixed"'),
         ("contact potential", "<check_intersections>1</check_intersections>", "<check_intersections>"),
-        ("tied-node-on-facet", "<laugon>LAGMULT</laugon>", "LAGMULT"),
+        ("tied-elastic", "<laugon>LAGMULT</laugon>", 'LAGMULT</laugon> of <contact type="tied-elastic">'),
+        ("tied-node-on-facet", "<laugon>LAGMULT</laugon><offset_shells>1</offset_shells>", "LAGMULT"),
         ("sliding-facet-on-facet", "<smooth_aug>1</smooth_aug>", "<smooth_aug>"),
         ("sliding-elastic", "<node_reloc>1</node_reloc>", "<node_reloc>"),
         ("sliding-elastic", "<strange>1</strange>", "<strange>"),
@@ -88,6 +89,28 @@ def test_what_is_lacking_is_refused_by_name(tmp_path: Path, kind: str, inside: s
     assert len(found) == 1
     assert said in found[0].message
     assert found[0].where is not None and found[0].where.line > 0
+
+
+TIED = '<contact type="tied-node-on-facet" surface_pair="faces"><laugon>LAGMULT</laugon>{}</contact>'
+
+
+def test_nodes_tied_by_multipliers_follow_their_facets(tmp_path: Path) -> None:
+    found = lower(cube.read(tmp_path, content(TIED.format("")))).common
+    assert not found.contacts
+    assert [(c.node, c.column) for c in found.constraints] == [(n, i) for n in (4, 5, 6, 7) for i in range(3)]
+    for c in found.constraints:
+        assert sorted(c.nodes.tolist()) == [0, 1, 2, 3]
+        assert max(c.values) == pytest.approx(1.0)
+        assert c.offset == pytest.approx(-1.0 if c.column == 2 else 0.0)
+    assert not lower(cube.read(tmp_path, content(TIED.format("<max_distance>0.5</max_distance>")))).common.constraints
+
+
+def test_nodes_tied_by_multipliers_are_not_held_besides(tmp_path: Path) -> None:
+    turned = "<primary>below</primary><secondary>above"
+    text = content(TIED.format("")).replace("<primary>above</primary><secondary>below", turned)
+    found = unsupported(cube.read(tmp_path, text))
+    assert len(found) == 1
+    assert "at node 1, which is held besides" in found[0].message
 
 
 def test_an_unknown_pair_is_an_error(tmp_path: Path) -> None:

@@ -88,8 +88,8 @@ def test_faces_that_part_take_what_surrounds_them(tmp_path: Path) -> None:
     assert last["effective_fluid_pressure"].values[faces] == pytest.approx(-R * T * 0.7)
 
 
-def test_friction_between_mixtures_is_refused(tmp_path: Path) -> None:
-    more = contact("sliding-multiphasic", "<fric_coeff>0.1</fric_coeff>")
+def test_friction_between_biphasic_solutes_is_refused(tmp_path: Path) -> None:
+    more = contact("sliding-biphasic-solute", "<fric_coeff>0.1</fric_coeff>")
     text = deck(DIFFUSING, squeezed(0.05) + BATH, mesh=halves(2), domains=TWO, more=more)
     assert "fric_coeff" in refused(text, tmp_path)
 
