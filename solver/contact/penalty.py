@@ -66,8 +66,18 @@ def _by_element(surface: Surface, groups: list[Group], law: Callable[[Group, Int
         for block in np.unique(owner[:, 0][owner[:, 0] >= 0]):
             g, mine = groups[int(block)], owner[:, 0] == block
             e = owner[mine, 1]
-            out[at[mine]] = law(g, e, normals[at[mine]]) * surface.area[at[mine]] / g.wJ0[e].sum(axis=1)
+            out[at[mine]] = law(g, e, normals[at[mine]]) * surface.area[at[mine]] / _volumes(g, e, surface.X)
     return out
+
+
+def _volumes(g: Group, e: Ints, X: Floats) -> Floats:
+    """Reference volumes of elements e; FEBio counts a shell's here as if its front face were its middle."""
+    if not g.shell:
+        return np.asarray(g.wJ0[e].sum(axis=1))
+    x = X[g.conn[e]]
+    back, front = np.split(x, 2, axis=1)
+    J = np.einsum("gaj,eai->egij", g.dN, x + np.tile(0.5 * (front - back), (1, 2, 1)))
+    return np.asarray(np.linalg.det(J) @ g.element.weights)
 
 
 def _normals(surface: Surface) -> Floats:

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from febkit.solver import contact
-from febkit.solver.problem import Progress
+from febkit.solver.contact.penalty import automatic
+from febkit.solver.contact.surface import Facets, Surface
+from febkit.solver.group import Group
+from febkit.solver.physics import default
+from febkit.solver.problem import Block, Progress
+from febkit.solver.shells import Shell, thicken
+from febkit.solver.solids.isotropic_elastic import IsotropicElastic
 from helpers import pair as scene
 
 TYPES = sorted(n for n in contact.TYPES if n.startswith("sliding") and "phasic" not in n)
@@ -174,3 +180,20 @@ def test_smooth_augmentation_takes_the_stress_behind(two_pass: bool) -> None:
         expected = (1.0 + 0.3 * s.points[:, 0]) * (0.5 if two_pass else 1.0)
         assert s.multiplier == pytest.approx(expected)
     assert slide.augment(1, state)  # they are what they were
+
+
+def test_automatic_penalties_of_curved_shells_do_not_know_inside_from_outside() -> None:
+    """FEBio takes the front face of a shell for its middle here, so that volumes on either side are alike."""
+    a = np.linspace(0.0, 0.6, 4)
+    X = np.array([(np.sin(t), y, np.cos(t)) for t in a for y in (0.0, 0.2)])
+    out = np.array([[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)])
+    found = []
+    for conn in (out, out[:, ::-1].copy()):
+        made = thicken(X, [Shell("quad4", conn, np.full(conn.shape, 0.2))])
+        block = Block("arc", "shell_quad4", made.shells[0], np.arange(1, 4), IsotropicElastic(3.0, 0.0), default())
+        g = Group(block, made.X)
+        facets = Facets({"quad4": conn}, {"quad4": np.array([[0, k] for k in range(3)])})
+        found.append((automatic(Surface(facets, made.X), [g]), g.wJ0.sum(axis=1)))
+    (outer, thick), (inner, thin) = found
+    assert outer == pytest.approx(inner)
+    assert (np.abs(thick - thin) > 0.1 * thick).all()
