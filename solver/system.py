@@ -279,13 +279,11 @@ class System:
             self.rotations.rates(s, (self.beta, self.gamma))
 
     def update(self) -> None:
-        """Contacts, kinematics, stresses and fluxes at the present state."""
+        """Kinematics, stresses and fluxes at the present state, and then contacts.
+
+        What contacts hold at ambient values from now on the elements see in the next update, as in FEBio.
+        """
         s = self.state
-        for contact in self.contacts:
-            contact.update(s, self.progress)
-        if any(c.drains for c in self.contacts):
-            self._find_dry()
-            self._drain()
         u = s.u if self.alphaf == 1.0 else self.alphaf * s.u + (1 - self.alphaf) * s.u_old
         drive = [b for b in self.body_loads if b.drives]
 
@@ -300,6 +298,11 @@ class System:
         if self.alphaf != 1.0 and s.dt > 0:
             for g in self.groups:
                 g.physics.end(s, self.alphaf)
+        for contact in self.contacts:
+            contact.update(s, self.progress)
+        if any(c.drains for c in self.contacts):
+            self._find_dry()
+            self._drain()
 
     def _find_dry(self) -> None:
         """Free pressures and concentrations of surfaces that touch nothing: what surrounds them holds them."""

@@ -18,12 +18,9 @@ from febkit.solver.fields import concentration
 from febkit.solver.problem import Step
 
 from . import shells
-from .context import Context
+from .context import METHODS, Context
 
 Reader = Callable[[Context, Component], Any]
-
-
-METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}
 
 
 def _laugon(ctx: Context, leaf: Component) -> bool:
