@@ -21,22 +21,24 @@ def volumes(model: Model) -> Iterator[Component]:
 
 
 def read(model: Model, read: Callable[[Path, int], Model], depth: int) -> dict[str, Model]:
-    """The models of a model's volumes by the names it gives them; ``read`` reads a file at a depth."""
+    """The models of a model's volumes by the names it gives them, of those whose files are there.
+
+    ``read`` reads a file at a depth. What is not there is missed where the model is solved, not where it is read.
+    """
     out: dict[str, Model] = {}
     for leaf in volumes(model):
-        name = leaf.text.strip()
-        if name not in out:
+        name, path = leaf.text.strip(), _path(leaf, model.file)
+        if name not in out and path is not None:
             if depth >= DEEPEST:
                 raise InputError(f"{leaf.what}: volumes within volumes, {DEEPEST} deep and deeper", leaf.where)
-            out[name] = read(_path(leaf, model.file), depth + 1)
+            out[name] = read(path, depth + 1)
     return out
 
 
-def _path(leaf: Component, file: str) -> Path:
+def _path(leaf: Component, file: str) -> Path | None:
+    """The file that a tag names, None where the folder of the model has none of the name."""
     name, folder = leaf.text.strip().replace("\\", "/"), Path(file).resolve().parent
+    if not file or not name or "\0" in name:
+        return None
     found = (folder / name).resolve()
-    if not file or not name or "\0" in name or not found.is_relative_to(folder):
-        raise InputError(f'{leaf.what}: "{name}" is no file in the folder of the model', leaf.where)
-    if not found.is_file():
-        raise InputError(f'{leaf.what}: there is no file "{name}" in the folder of the model', leaf.where)
-    return found
+    return found if found.is_relative_to(folder) and found.is_file() else None

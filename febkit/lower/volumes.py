@@ -24,7 +24,7 @@ def volume(ctx: Context, leaf: Component) -> Any:
     spec = ctx.owners[id(leaf)]
     model = ctx.model.nested.get(leaf.text.strip())
     if model is None:
-        raise InputError(f'{leaf.what}: the model was not read with a file "{leaf.text.strip()}" beside it', leaf.where)
+        raise InputError(f'{leaf.what}: there is no file "{leaf.text.strip()}" in the folder of the model', leaf.where)
     if spec.choice("rve_type", TYPES, 0) != 0:
         ctx.refuse("<rve_type> other than 0 (displacements) of a micro-material", spec.need("rve_type").where)
         return None

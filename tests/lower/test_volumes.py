@@ -79,7 +79,7 @@ def test_boundary(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "more", "says"), [
     ("w.rve", "", 'there is no file "w.rve"'),
-    ("../v.rve", "", "no file in the folder of the model"),
+    ("../v.rve", "", 'there is no file "../v.rve" in the folder'),
     ("cube.feb", "", "volumes within volumes"),
     ("v.rve", "<rve_type>1</rve_type>", "<rve_type> other than 0"),
     ("v.rve", "<bc_set>most</bc_set>", 'no node set "most"'),
@@ -89,6 +89,10 @@ def test_faults_are_named(tmp_path: Path, name: str, more: str, says: str) -> No
     with pytest.raises((InputError, UnsupportedError), match=says) as e:
         lower(model(tmp_path, name, more))
     assert e.value.where is not None and e.value.where.line
+
+
+def test_a_model_is_read_without_its_volume(tmp_path: Path) -> None:
+    assert len(model(tmp_path, "w.rve").materials) == 1
 
 
 def test_a_volume_that_something_acts_on_is_refused(tmp_path: Path) -> None:
