@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from ..group import Chunk, Group
     from ..state import State
 
+PRESSURE = 1.0 - 2.0 * np.eye(3)  # 1 x 1 - 2 I among normal components: the tangent of a pressure, per pressure
+
 
 @dataclass(eq=False)
 class Augment:
@@ -41,6 +43,7 @@ class ThreeFieldWork(StandardWork):
         self.law: Any = group.block.solid
         self.options = physics.augment
         self.eJ, self.ep, self.Lk = np.ones(group.m), np.zeros(group.m), np.zeros(group.m)
+        self.volume = group.wJ0.sum(axis=1)  # of the reference (m,)
 
     @property
     def augments(self) -> bool:
@@ -48,8 +51,7 @@ class ThreeFieldWork(StandardWork):
 
     def stress(self, c: Chunk, s: Floats) -> None:
         g, e = self.group, slice(c.lo, c.hi)
-        w = g.wJ0[e]
-        self.eJ[e] = (w * g.J[e]).sum(axis=1) / w.sum(axis=1)
+        self.eJ[e] = (g.wJ0[e] * g.J[e]).sum(axis=1) / self.volume[e]
         self.law.dev(c.points, s, None)
         p = self._of_mean(self.law.pressure, c)
         # the multiplier acts through h(J) = ln J, h' = 1/J (FEBio's augmented Lagrangian)
@@ -65,7 +67,7 @@ class ThreeFieldWork(StandardWork):
         self.law.dev(c.points, s, C)
         p = np.repeat(self.ep[c.lo : c.hi], self.group.g)
         s[:, :3] += p[:, None]
-        C[:, :3, :3] += p[:, None, None] * (1.0 - 2.0 * np.eye(3))
+        C[:, :3, :3] += p[:, None, None] * PRESSURE
         C[:, [3, 4, 5], [3, 4, 5]] -= p[:, None]
 
     def bulk(self, c: Chunk) -> Floats:
@@ -87,7 +89,7 @@ class ThreeFieldWork(StandardWork):
         g = self.group
         F, J = np.empty_like(g.F), np.empty_like(g.J)
         g.deform(u, F, J)
-        self.eJ[:] = (g.wJ0 * J).sum(axis=1) / g.wJ0.sum(axis=1)
+        self.eJ[:] = (g.wJ0 * J).sum(axis=1) / self.volume
         before = self.ep.copy()
         self.ep[:] = self.law.pressure(np.repeat(self.eJ, g.g), g.points())[:: g.g] + self.Lk / self.eJ
         self.s[..., :3] += (self.ep - before)[:, None, None]
