@@ -10,6 +10,7 @@ import pytest
 from febkit.feb import features
 from febkit.output import plot
 from febkit.output.records import bodies, connectors, elements, faces, nodes, surfaces
+from febkit.results.variables import VARIABLES, unit_symbol
 
 # reason -> names
 PLOT: dict[str, str] = {
@@ -72,3 +73,8 @@ def test_a_log_item_is_there_or_has_a_reason(name: str) -> None:
     there, told = _item(name), name in names(LOG)
     assert there or told, f'"{name}" is not computed, and nothing here says why'
     assert not (there and told), f'"{name}" is computed, though a reason is given why not'
+
+
+def test_what_has_no_unit_depends_on_the_model() -> None:
+    without = {n for n in VARIABLES if plot.find(n) is not None and not unit_symbol(n)}
+    assert without == {"field", "parameter", "mesh_data", "contact penalty", "scalar surface load", "RVE strain"}
