@@ -135,7 +135,7 @@ def augmented(ctx: Context, c: Component) -> dict[str, Any]:
     if method == 2:
         ctx.refuse(f'<laugon>LAGMULT</laugon> of <{c.tag} type="{c.type}">', c.need("laugon").where)
     return {
-        "penalty": c.float("penalty", 1.0), "tolerance": c.float("tol", 0.1), "rhs": c.float("rhs", 0.0),
+        "penalty": ctx.value(c.child("penalty"), 1.0), "tolerance": c.float("tol", 0.1), "rhs": c.float("rhs", 0.0),
         "minaug": c.int("minaug", 0), "maxaug": c.int("maxaug", 50), "laugon": method,
     }  # fmt: skip
 

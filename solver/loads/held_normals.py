@@ -36,6 +36,7 @@ class HeldNormals(ConstraintSet):
 
     def begin(self, state: State, groups: Any) -> None:
         super().begin(state, groups)
+        super().begin(state, groups)
         self.coefficients = normals(state.x, self.facets)[self.at]
 
 

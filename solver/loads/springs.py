@@ -157,7 +157,7 @@ class ConstraintSet(Action):
     nodes: Ints
     columns: Ints
     coefficients: Floats
-    penalty: float = 1.0
+    penalty: Number = 1.0
     tolerance: float = 0.1
     rhs: float = 0.0
     minaug: int = 0
@@ -180,12 +180,16 @@ class ConstraintSet(Action):
     def cliques(self) -> list[Ints]:
         return [self.nodes]
 
+    def _eps(self, state: State) -> float:
+        """The penalty at the present time."""
+        return float(as_value(self.penalty)(state.time, ORIGIN)[0])
+
     def _sums(self, state: State) -> Floats:
         u = state.d[np.maximum(self.nodes, 0), self.columns]
         return np.asarray((self.coefficients * u).sum(axis=1))
 
     def residual(self, state: State, R: Floats) -> None:
-        f = self.multipliers + self.penalty * self._sums(state)
+        f = self.multipliers + self._eps(state) * self._sums(state)
         np.add.at(R, (np.maximum(self.nodes, 0), self.columns), -f[:, None] * self.coefficients)
 
     def stiffness(self, state: State, groups: Any = None) -> Matrices:
@@ -195,7 +199,7 @@ class ConstraintSet(Action):
         for k, columns in enumerate(kinds):
             rows, on = which.ravel() == k, columns >= 0
             a = self.coefficients[rows][:, on]
-            out.append((self.penalty * a[:, :, None] * a[:, None, :], self.nodes[rows][:, on], columns[on]))
+            out.append((self._eps(state) * a[:, :, None] * a[:, None, :], self.nodes[rows][:, on], columns[on]))
         return out
 
     @property
@@ -207,7 +211,7 @@ class ConstraintSet(Action):
         if self.laugon == 0:
             return True
         old = self.multipliers
-        new = old + self.penalty * (self._sums(state) - self.rhs)
+        new = old + self._eps(state) * (self._sums(state) - self.rhs)
         n0, n1 = float(np.linalg.norm(old)), float(np.linalg.norm(new))
         good = abs(n1 - n0) <= self.tolerance * (n1 or 1.0) or 0 <= self.maxaug <= done
         if good and done >= self.minaug:

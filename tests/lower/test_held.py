@@ -28,10 +28,12 @@ def load(folder: Path, type_: str, inside: str, surface: str = 'surface="topS"')
 
 @pytest.mark.parametrize("type_", ["symmetry plane", "fixed normal displacement"])
 def test_a_plane_is_read(tmp_path: Path, type_: str) -> None:
-    plane = load(tmp_path, type_, "<laugon>AUGLAG</laugon><tol>0.2</tol><penalty>9</penalty><maxaug>7</maxaug>")
+    inside = "<laugon>AUGLAG</laugon><tol>0.2</tol><penalty type='math'>9*t</penalty><maxaug>7</maxaug>"
+    plane = load(tmp_path, type_, inside)
     assert isinstance(plane, HeldNormals) and plane.at.tolist() == [4, 5, 6, 7]
     assert plane.nodes.tolist() == [[n] * 3 for n in (4, 5, 6, 7)] and plane.columns[0].tolist() == [0, 1, 2]
-    assert (plane.penalty, plane.tolerance, plane.maxaug, plane.laugon) == (9.0, 0.2, 7, 1)
+    assert (plane.tolerance, plane.maxaug, plane.laugon) == (0.2, 7, 1)
+    assert plane.penalty(0.5, np.zeros((1, 3)))[0] == 4.5  # type: ignore[operator]
 
 
 def test_nodes_that_a_body_carries_are_left_out(tmp_path: Path) -> None:

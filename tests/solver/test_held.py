@@ -139,6 +139,7 @@ def test_a_block_slides_along_a_slope() -> None:
     hold = [Fixed(1, np.arange(len(X))), Prescribed(0, top, Constant(0.08)), Prescribed(2, top, Constant(-0.06))]
     s = solved(Step(loads=[plane], conditions=hold), at)
     u = s.u @ turn
+    np.testing.assert_array_equal(solved(Step(loads=[plane], conditions=hold), at).u, s.u)  # a run begins anew
     np.testing.assert_allclose(u[low, 2], 0.0, atol=1e-9)
     # along the slope it moves as a whole: the ends are pushed by 0.08 * 0.8 + 0.06 * 0.6
     np.testing.assert_allclose(u[low, 0], 0.1, atol=1e-6)
