@@ -182,10 +182,9 @@ class BeamWork(Work):
         W, h, b = skew(w), (I @ w[..., None])[..., 0], (I @ a[..., None])[..., 0]
         turned = I @ skew(a) - skew(b) + W @ (I @ W - skew(h))  # by a rotation of the points
         by_w = W @ I - skew(h)
-        out = np.einsum("eg,ga,egij,gb->eiajb", g.dS, g.N, turned, g.N)
-        out += np.einsum("eg,ga,egij,gb,ebjk->eiakb", g.dS, g.N, by_w, g.N, dw, optimize=True)
-        out += np.einsum("eg,ga,egij,gb,ebjk->eiakb", g.dS, g.N, I, g.N, da, optimize=True)
-        return out
+        by_node = turned[:, :, None] + by_w[:, :, None] @ dw[:, None] + I[:, :, None] @ da[:, None]
+        weight = g.dS[:, :, None, None] * g.N[None, :, :, None] * g.N[None, :, None, :]
+        return np.asarray(np.einsum("egab,egbij->eiajb", weight, by_node))
 
     # ---- what is written --------------------------------------------------------------------------
     def _stress(self) -> Floats:
