@@ -10,8 +10,6 @@ from febkit.model import Component, InputError, values
 from febkit.model.species import Species, find, solid_bound, solutes
 from febkit.solver import (
     diffusivities,
-    membrane_rates,
-    membrane_reactions,
     osmotic_coefficients,
     permeabilities,
     physics,
@@ -215,6 +213,8 @@ class _Reader:
 
     def _membrane(self, c: Component) -> Any:
         """A reaction of a shell with what is on its faces: e in front, i behind."""
+        from febkit.solver import membrane_reactions
+
         ctx = self.ctx
         if c.type is None or not membrane_reactions.known(c.type):
             ctx.refuse(f'<membrane_reaction type="{c.type}">', c.where)
@@ -241,6 +241,8 @@ class _Reader:
 
     def _membrane_rate(self, c: Component) -> Any:
         """A rate; that of ion channels knows its ion's charge, and the model's constants."""
+        from febkit.solver import membrane_rates
+
         out = law(self.ctx, c, membrane_rates, self.part, self._crossing)
         if hasattr(out, "z"):
             ion = self.all_solutes[out.sol]

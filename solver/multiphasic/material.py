@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..law import Floats
-from ..membrane_reactions.base import MembraneReaction
 from ..osmotic_coefficients.base import OsmoticCoefficient
 from ..permeabilities.base import Permeability
 from ..reactions.base import Reaction
 from ..values import Constant, Value
 from .species import SolidBound, Solute
+
+if TYPE_CHECKING:
+    from ..membrane_reactions.base import MembraneReaction
 
 
 @dataclass(eq=False)
