@@ -55,6 +55,8 @@ CASES = [
     ("info cells.nc", 0, "Dimensions"),
     ("info page.feb", 2, "no .feb file"),
     ("info plug.fbe", 2, "did you mean plug.feb?"),
+    ("features contact", 0, "sliding-elastic"),
+    ("features contactz", 2, 'no kind is called "contactz"'),
     ("validate plug.feb", 0, "febkit can solve it"),
     ("validate bad.feb", 2, 'no material "bone"'),
     ("validate refused.feb", 2, "no such solid"),

@@ -317,7 +317,8 @@ def test_the_page_has_the_table() -> None:
 def test_every_verb_is_in_the_table() -> None:
     from febkit.cli.main import VERBS
 
-    assert set(outputs.VERBS) | {"view"} == set(VERBS)  # it serves a page until Ctrl-C: tests/plots/test_viewer.py
+    # features touches no file; view serves a page until Ctrl-C: tests/plots/test_viewer.py
+    assert set(outputs.VERBS) | {"features", "view"} == set(VERBS)
 
 
 @pytest.mark.parametrize("content", [None, b"no plotfile"])

@@ -24,6 +24,7 @@ ALL = SOLIDS | examples.nested()
 def at(G, e, t=0.6, **kw):
     pts = Points.at(G, Q=Q, t=t, dt=0.3, **kw)
     pts.e = e
+    pts.extra["bound"] = np.full((len(G), 1), 0.6)  # of the solids that go by a solid-bound molecule
     return pts
 
 
@@ -67,6 +68,7 @@ def test_a_point_among_others_is_as_it_is_alone(name):
 
 WITHOUT_EFFECT = {  # numbers that have none here
     r".*\.density_": "the root's counts",
+    r"(Carter-Hayes|fiber-exp-pow sbm|fiber-pow-linear sbm): density_": "that of the molecule counts",
     r".*start_time": "a generation begins with a step",
     r"rtol": "a tolerance",
     r"a\[\d\]": "of active contraction, and there is none",
