@@ -134,7 +134,8 @@ def _models(kind: str, name: str) -> Iterator[str]:
         material = f'<material id="1" name="m" type="{said}"/>'
         beam = any(w in name for w in ("beam", "truss", "spring"))
         element, nodes = BEAM if beam else SOLID
-        yield MODEL.format(**fields | {"material": material, "element": element, "nodes": nodes,
+        own = ' type="linear-beam"' if name == "linear-beam" else ""
+        yield MODEL.format(**fields | {"material": material, "element": element, "nodes": nodes, "domain": own,
                                        "kind": "Beam" if beam else "Solid"})  # fmt: skip
     elif kind == "domain":
         for which, (element, nodes) in (("Solid", SOLID), ("Shell", SHELL), ("Beam", BEAM)):
@@ -145,6 +146,8 @@ def _models(kind: str, name: str) -> Iterator[str]:
     elif kind == "element":
         e = elements.ELEMENTS[name]
         which = {3: "Solid", 2: "Shell", 1: "Beam"}[e.dim]
+        if e.dim == 1:
+            fields["material"] = '<material id="1" name="m" type="linear truss"/>'
         nodes = ",".join(map(str, range(1, e.nodes + 1)))
         yield MODEL.format(**fields | {"kind": which, "element": name, "nodes": nodes})
 
