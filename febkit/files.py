@@ -290,6 +290,26 @@ class Output:
             self.temp.unlink(missing_ok=True)
 
 
+class Buffer:
+    """The same in memory, ``data``."""
+
+    replaces = False
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    def write(self, *parts: bytes) -> None:
+        for p in parts:
+            self.data += p
+
+    def place(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    def discard(self) -> None:
+        self.data.clear()
+
+
 def _pieces(parts: Iterable[bytes]) -> Iterator[bytes]:
     """Small parts put together, large ones as they are."""
     small: list[bytes] = []

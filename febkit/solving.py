@@ -9,10 +9,12 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from febkit.files import Buffer
 from febkit.model import InputError, Model, Where, as_record
 
 if TYPE_CHECKING:
     from febkit.output.log import LogListener
+    from febkit.solver.graph import MakeGraph
     from febkit.solver.options import Options
     from febkit.solver.problem import Problem
     from febkit.solver.result import Result
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 def solve(
     model: Model | str | PathLike[str],
-    plotfile: str | PathLike[str] | None = None,
+    plotfile: str | PathLike[str] | Buffer | None = None,
     logfile: str | PathLike[str] | None = None,
     *,
     threads: int = 0,
@@ -34,6 +36,7 @@ def solve(
     listeners: Sequence[Listener] = (),
     warn: Callable[[str], None] | None = None,
     data_anywhere: bool = False,
+    graph: MakeGraph | None = None,
 ) -> Result:
     """Solve ``model``, or the .feb file of that path; write a plotfile and a log where paths are given.
 
@@ -46,24 +49,29 @@ def solve(
     accuracy: relative error per step of steps of second order and of their own size, for transient models with
     fluids; 0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for
     the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
+    graph: what finds the sparsity that an earlier run left (:class:`febkit.solver.run.Run`); a :class:`febkit.Model`
+    brings its own.
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
     ValueError for an option that means nothing.
     """
     from febkit.feb.validation import require
     from febkit.lower import lower
+    from febkit.solver.graph import Graph
     from febkit.solver.options import Options
     from febkit.solver.run import Run
 
-    for given in (plotfile, logfile):
+    path = None if isinstance(plotfile, Buffer) else plotfile
+    for given in (path, logfile):
         if given is not None and not fspath(given):  # fspath raises TypeError for what is no path
             raise ValueError("a plotfile or logfile needs a name; leave it out to have none written")
     options = Options(
         threads=threads, linear=linear, factor=factor, stabilise=stabilise, accuracy=accuracy, memory=memory,
     )  # fmt: skip
+    again = getattr(model, "_again", None)
     model = _model(model)
     doubts = require(model)
-    data = _destinations(model, plotfile, logfile, data_anywhere)
+    data = _destinations(model, path, logfile, data_anywhere)
     problem = lower(model)
     _check(options, problem, model)
     told: list[Listener] = [*listeners]
@@ -103,7 +111,9 @@ def solve(
 
         for doubt in doubts:
             tell(doubt)
-        run = Run(problem, [*told, WarningListener(tell)], options)
+        if graph is None:
+            graph = Graph if again is None else ends.enter_context(again.lent()).graphs
+        run = Run(problem, [*told, WarningListener(tell)], options, graph)
         ends.callback(run.team.close)
         return run.solve()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels import pattern as kernels
+from .graph import Graph, MakeGraph
 from .linear.base import Matrix
 from .problem import Fixed, Prescribed
 
@@ -73,7 +73,7 @@ class Pattern:
 
     def __init__(
         self, eqs: Equations, groups: list[Group], cliques: list[NDArray], symmetric: bool, schedule: Schedule,
-        ties: Ties | None = None,
+        ties: Ties | None = None, graph: MakeGraph = Graph,
     ) -> None:  # fmt: skip
         self.eqs, self.symmetric = eqs, symmetric
         self.lead = eqs.lead
@@ -88,18 +88,12 @@ class Pattern:
         if ties is not None:
             self._tied = {id(g): ties.rows(g.conn) for g in groups}
             parts += ties.cliques(parts)
-        conn = self._stack(parts)
-        ptr, elems = self._incidence(conn, nn)
-        first = np.zeros(nn + 1, np.int64)
-        kernels.node_graph(ptr, elems, conn, symmetric, first, True, np.empty(0, np.int32))
-        nbr = np.empty(first[-1], np.int32)
-        kernels.node_graph(ptr, elems, conn, symmetric, first, False, nbr)
-        self._first, self._nbr = first, nbr
-        self._rows(first, nbr, nn)
+        self.graph = graph(parts, eqs.size, symmetric)
+        self.indptr, self.indices = self.graph.indptr, self.graph.indices
         self._unknowns: dict[tuple[int, ...], Unknowns] = {}
         for g in groups:
             self._take(g.columns)
-        self._back: dict[int, NDArray[np.int32]] = {id(g): self._offsets(g) for g in groups}
+        self._back: dict[int, NDArray[np.int32]] = {id(g): self.graph.back(k) for k, g in enumerate(groups)}
         self._contended = schedule.contended(groups, nn)
         # no thread owns the right side, to which prescribed columns go, nor the rows of masters
         shared = np.asarray((self.given >= 0).any(axis=1))
@@ -124,53 +118,6 @@ class Pattern:
         """Rows and equations of a group's own columns."""
         return self._unknowns[tuple(group.columns.tolist())]
 
-    @staticmethod
-    def _stack(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
-        parts = [p for p in parts if len(p)]
-        width = max(p.shape[1] for p in parts)
-        if len(parts) == 1:
-            return parts[0]
-        out = np.full((sum(len(p) for p in parts), width), -1, np.int32)
-        row = 0
-        for p in parts:
-            out[row : row + len(p), : p.shape[1]] = p
-            row += len(p)
-        return out
-
-    @staticmethod
-    def _incidence(conn: NDArray[np.int32], nn: int) -> tuple[NDArray, NDArray]:
-        flat = conn.ravel()
-        keep = flat >= 0
-        elem = np.repeat(np.arange(len(conn), dtype=np.int32), conn.shape[1])[keep]
-        flat = flat[keep]
-        order = np.argsort(flat, kind="stable")
-        ptr = np.zeros(nn + 1, np.int64)
-        np.cumsum(np.bincount(flat, minlength=nn), out=ptr[1:])
-        return ptr, elem[order]
-
-    def _rows(self, first: NDArray, nbr: NDArray, nn: int) -> None:
-        size, lead = self.eqs.size, self.lead
-        per = size[nbr].astype(np.int64)
-        total = np.concatenate([[0], np.cumsum(per)])
-        node_len = total[first[1:]] - total[first[:-1]]
-        row_node = np.repeat(np.arange(nn), size)
-        length = node_len[row_node]
-        if self.symmetric:
-            length = length - (np.arange(len(row_node)) - lead[row_node])
-        indptr = np.concatenate([[0], np.cumsum(length)])
-        if indptr[-1] > np.iinfo(np.int32).max:
-            raise MemoryError("the tangent has more than 2^31 entries")
-        self.indptr = indptr.astype(np.int32)
-        self.indices = np.empty(indptr[-1], np.int32)
-        kernels.columns(first, nbr, lead, size, self.symmetric, self.indptr, self.indices)
-        end = np.repeat(total[first[1:]], np.diff(first))
-        self._tail = (end - total[:-1]).astype(np.int32)
-
-    def _offsets(self, group: Group) -> NDArray[np.int32]:
-        out = np.empty((group.m, group.n, group.n), np.int32)
-        kernels.pair_offsets(self._first, self._nbr, self._tail, group.conn, out)
-        return out
-
     def back(self, group: Group) -> NDArray[np.int32]:
         """Offsets of a group's node pairs from the row ends."""
         return self._back[id(group)]
@@ -186,8 +133,8 @@ class Pattern:
 
     def holds(self, cliques: list[NDArray[np.int32]]) -> bool:
         """Does the pattern have an entry for every pair of nodes of the cliques (m, n), padded with -1?"""
-        return all(kernels.holds(self._first, self._nbr, np.ascontiguousarray(c), self.symmetric) for c in cliques)
+        return all(self.graph.holds(c) for c in cliques)
 
     def matrix(self) -> Matrix:
         """A zero matrix of this pattern (the pattern arrays are shared)."""
-        return Matrix(self.indptr, self.indices, np.zeros(len(self.indices)), self.symmetric)
+        return Matrix(self.indptr, self.indices, np.zeros(len(self.indices)), self.symmetric, self.graph.kept)

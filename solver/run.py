@@ -12,6 +12,7 @@ from .clock import Clock
 from .elements import LINES
 from .fields import DISPLACEMENT, Floats, Layout
 from .finite import NotFinite, check_parameters, check_state
+from .graph import Graph, MakeGraph
 from .group import ElementFailure, Group, Impossible
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
@@ -60,10 +61,17 @@ class Listener:
 
 
 class Run:
-    """One run of a problem: its state, groups and totals, for listeners to look at."""
+    """One run of a problem: its state, groups and totals, for listeners to look at.
 
-    def __init__(self, problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None) -> None:
+    graph: makes the sparsity of the tangent, or finds it where an earlier run left it (:class:`.graph.Graphs`).
+    """
+
+    def __init__(
+        self, problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None,
+        graph: MakeGraph = Graph,
+    ) -> None:  # fmt: skip
         self.problem, self.listeners, self.options = problem, list(listeners), options or Options()
+        self._graph = graph
         self.team = Team(self.options.threads)
         self.state = State.at_rest(problem)
         self.groups: list[Group] = []
@@ -210,7 +218,9 @@ class Run:
 
     def _open(self) -> Route:
         """The system of the analysis step and what solves it, for the elements that there are. Raises LinearError."""
-        self.system = System(self.problem, self.step, self.groups, self.state, self.schedule, self.bodies)
+        self.system = System(
+            self.problem, self.step, self.groups, self.state, self.schedule, self.bodies, self._graph
+        )
         route = Route(self.system, self.options, self.team.n)
         make, reuse = route.decide()
         watch = lambda it: self.tell("iteration", it)  # noqa: E731

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .action import Action
 from .fields import ROTATION
 from .finite import whole
+from .graph import Graph, MakeGraph
 from .group import Group
 from .kernels.pattern import scatter_any
 from .law import PoreCollapse
@@ -39,11 +40,11 @@ class System:
 
     def __init__(
         self, problem: Problem, step: Step, groups: list[Group], state: State, schedule: Schedule,
-        bodies: Bodies | None = None,
+        bodies: Bodies | None = None, graph: MakeGraph = Graph,
     ) -> None:  # fmt: skip
         self.problem, self.step, self.groups, self.state, self.schedule = problem, step, groups, state, schedule
         self.layout = state.layout
-        self.bodies = bodies
+        self.bodies, self._graph = bodies, graph
         if bodies is not None:
             bodies.attach(state, [*problem.common.attached, *step.attached])
         self.conditions = [*problem.common.conditions, *step.conditions]
@@ -180,7 +181,8 @@ class System:
                 cliques += [q for g in self.groups for q in g.physics.cliques()]
                 if self.bodies is not None:
                     cliques += self.bodies.cliques()
-                self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, self.schedule, self.ties)
+                rest = self.schedule, self.ties, self._graph
+                self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, *rest)
                 self._matrix = self._pattern.matrix()
         return self._pattern
 

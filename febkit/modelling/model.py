@@ -16,6 +16,7 @@ from febkit.model.elements import domain
 from febkit.model.species import Species
 
 from . import meshes, selection
+from .again import Again
 from .curves import Curves
 from .node import Node
 from .output import Outputs
@@ -72,6 +73,7 @@ class Model(Stage):
         empty = Mesh(np.zeros(0, np.int64), np.zeros((0, 3)))
         plots = PLOTS.get(module, PLOTS["biphasic"])
         self._record = Record("4.0", module, empty, units=units, output=Output(tuple(map(PlotVariable, plots))))
+        self._again = Again()
 
     @property
     def model(self) -> Model:  # type: ignore[override]
@@ -83,8 +85,12 @@ class Model(Stage):
         """The object of a record; a Model is given back as it is."""
         if isinstance(record, Model):
             return record
+        return cls._like(record, Again())
+
+    @classmethod
+    def _like(cls, record: Record, again: Again) -> Model:
         out = cls.__new__(cls)
-        out._record = record
+        out._record, out._again = record, again
         return out
 
     @classmethod
@@ -114,7 +120,7 @@ class Model(Stage):
 
     def copy(self) -> Model:
         """A model that may be changed without this one; what is the same is shared."""
-        return Model.of(self._record)
+        return Model._like(self._record, self._again)
 
     # ---- the record -------------------------------------------------------------------------------
     @property
@@ -356,11 +362,13 @@ class Model(Stage):
         """Solve the model in memory; ``result.dataset`` holds its fields: see :func:`.solution.solve`.
 
         plotfile: a file to write instead; variables: plot variables to keep; at: times to keep, met exactly; other
-        options (threads, progress, accuracy, ...) are those of :func:`febkit.solve`.
+        options (threads, progress, accuracy, ...) are those of :func:`febkit.solve`. A later solve of this model or of
+        a copy finds what an edit left as it was: see :class:`.again.Again`.
         """
         from .solution import solve
 
-        return solve(self._record, plotfile, variables=variables, at=at, **options)
+        with self._again.lent() as again:
+            return solve(self._record, plotfile, again, variables=variables, at=at, **options)
 
 
 def read(path: str | PathLike[str]) -> Model:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,8 @@ if TYPE_CHECKING:
 
     from febkit.solver.result import Result, Totals
     from febkit.solver.state import State
+
+    from .again import Again
 
 
 class Solution:
@@ -72,14 +73,15 @@ class Solution:
 
 
 def solve(
-    model: Record, plotfile: Any = None, *, variables: Sequence[str] | None = None, at: Sequence[float] | None = None,
-    **options: Any,
+    model: Record, plotfile: Any = None, again: Again | None = None, *, variables: Sequence[str] | None = None,
+    at: Sequence[float] | None = None, **options: Any,
 ) -> Solution:  # fmt: skip
     """Solve a model and keep its fields.
 
-    Without ``plotfile`` they stay in memory (single precision, as a plotfile holds them) and no file is left; with one
-    the dataset reads it when touched. ``variables``: plot variables instead of the model's; ``at``: times that are met
-    and kept, instead of the states that the model asks for. Other options are those of :func:`febkit.solve`.
+    Without ``plotfile`` they stay in memory (single precision, as a plotfile holds them) and no file is written; with
+    one the dataset reads it when touched. ``variables``: plot variables instead of the model's; ``at``: times that are
+    met and kept, instead of the states that the model asks for; ``again``: what an earlier run left. Other options are
+    those of :func:`febkit.solve`.
     """
     from febkit.results import open as open_results
     from febkit.solving import solve as run
@@ -91,20 +93,17 @@ def solve(
         model = replace(model, output=replace(model.output or Output(), plot=plot))
     if at is not None:
         model = kept_at(model, at)
+    if again is not None:
+        options["graph"] = again.graphs
     if plotfile is not None:
         result = run(model, plotfile, **options)
         return Solution(result, picked(open_results(plotfile), at) if Path(plotfile).is_file() else None)
-    with TemporaryDirectory(prefix="febkit-") as folder:
-        path = Path(folder) / "run.xplt"
-        result = run(model, path, **options)
-        dataset = None
-        if path.is_file():
-            with open_results(path) as ds:
-                dataset = picked(ds, at).load()
-        if dataset is not None:
-            dataset.attrs.pop("source", None)
-            dataset.encoding.pop("source", None)
-        return Solution(result, dataset)
+    from febkit.files import Buffer
+    from febkit.results import held
+
+    buffer = Buffer()
+    result = run(model, buffer, **options)
+    return Solution(result, picked(held(buffer.data), at).load() if buffer.data else None)
 
 
 def picked(ds: xr.Dataset, at: Sequence[float] | None) -> xr.Dataset:

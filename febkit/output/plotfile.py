@@ -25,6 +25,8 @@ from .plot.asked import Asked
 if TYPE_CHECKING:
     from os import PathLike
 
+    from febkit.files import Buffer
+
 Floats = NDArray[np.float64]
 _NAME = f"febkit {__version__}"
 SOFTWARE = _NAME + " " * (-len(_NAME) % 4)  # pyfebio's reader takes the name as words of four bytes
@@ -81,7 +83,7 @@ class PlotListener(Listener):
     An earlier file in its place stays until a state that was solved stands in the new one.
     """
 
-    def __init__(self, model: Model, path: str | PathLike[str], warn: Callable[[str], None]) -> None:
+    def __init__(self, model: Model, path: str | PathLike[str] | Buffer, warn: Callable[[str], None]) -> None:
         self.model = model
         self.asked: list[tuple[Asked, plot.Give]] = []
         self.variables: list[PlotVariable] = []

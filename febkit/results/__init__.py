@@ -56,6 +56,18 @@ def _opened(path: Path, chunks: Any, mesh: int | None, apart: bool) -> xr.Datase
     return xr.open_dataset(path, engine=PlotfileBackend, chunks=chunks, mesh=mesh, apart=apart)
 
 
+def held(data: bytes | bytearray) -> xr.Dataset:
+    """The dataset of a plotfile's bytes."""
+    from . import accessor  # noqa: F401
+    from .dataset import build
+    from .xplt.reader import PlotFile
+    from .xplt.source import Held
+
+    ds = build(PlotFile(Held(data)))
+    ds.encoding.pop("source")
+    return ds
+
+
 def open_all(path: Path, *, apart: bool = False) -> list[xr.Dataset]:
     """One dataset per mesh of a plotfile, in order of time."""
     from . import accessor  # noqa: F401

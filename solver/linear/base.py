@@ -22,16 +22,30 @@ class Stalled(LinearError):
 
 @dataclass(slots=True, eq=False)
 class Matrix:
-    """Compressed rows, 0-based int32. ``symmetric``: upper triangle only, diagonal always stored."""
+    """Compressed rows, 0-based int32. ``symmetric``: upper triangle only, diagonal always stored.
+
+    ``kept``: what solvers found of the pattern, by kind, for those that come after; None where none will.
+    """
 
     indptr: NDArray[np.int32]
     indices: NDArray[np.int32]
     data: Floats
     symmetric: bool
+    kept: dict[Any, list[Any]] | None = None
 
     @property
     def n(self) -> int:
         return len(self.indptr) - 1
+
+    def take(self, kind: Any) -> Any:
+        """What a solver of this kind left, which is the taker's from now on; None where there is nothing."""
+        left = self.kept.get(kind) if self.kept else None
+        return left.pop() if left else None
+
+    def give(self, kind: Any, found: Any) -> None:
+        """Leave what was found of the pattern."""
+        if self.kept is not None:
+            self.kept.setdefault(kind, []).append(found)
 
 
 @dataclass(slots=True, eq=False)

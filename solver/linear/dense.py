@@ -53,17 +53,25 @@ class Dense:
     def _analyse(self, A: Matrix) -> None:
         """Order the unknowns; where the entries of A go in the dense matrix."""
         n = A.n
-        rows, columns = np.repeat(np.arange(n), np.diff(A.indptr)), A.indices.astype(np.int64)
-        joined = np.zeros((n, n), bool)
-        joined[rows, columns] = joined[columns, rows] = True
-        self._order = narrow(joined)
-        place = np.empty(n, np.int64)
-        place[self._order] = np.arange(n)
-        self._at = place[rows] * n + place[columns]
-        self._mirror = place[columns] * n + place[rows] if A.symmetric else None
         self._lu = np.empty((n, n))
         self._pivots, self._first, self._last = (np.empty(n, np.int64) for _ in range(3))
         self._pattern = A.indptr, A.indices
+        found = A.take(Dense)
+        if found is None:
+            found = self._places(A)
+        A.give(Dense, found)
+        self._order, self._at, self._mirror = found
+
+    @staticmethod
+    def _places(A: Matrix) -> tuple[Ints, Ints, Ints | None]:
+        n = A.n
+        rows, columns = np.repeat(np.arange(n), np.diff(A.indptr)), A.indices.astype(np.int64)
+        joined = np.zeros((n, n), bool)
+        joined[rows, columns] = joined[columns, rows] = True
+        order = narrow(joined)
+        place = np.empty(n, np.int64)
+        place[order] = np.arange(n)
+        return order, place[rows] * n + place[columns], place[columns] * n + place[rows] if A.symmetric else None
 
     def factor(self, A: Matrix) -> None:
         if self._pattern is None or self._pattern[0] is not A.indptr or self._pattern[1] is not A.indices:

@@ -47,6 +47,53 @@ def library() -> ctypes.CDLL | None:
     return None
 
 
+class Analysis:
+    """PARDISO's memory of one pattern, its order of elimination and the factor made last; freed with this object."""
+
+    def __init__(self, lib: ctypes.CDLL, A: Matrix) -> None:
+        self.lib, self.indptr, self.indices, self.symmetric = lib, A.indptr, A.indices, A.symmetric
+        self.pt, self.iparm = np.zeros(64, np.int64), np.zeros(64, np.int32)
+        self.used = False
+
+    def of(self, A: Matrix) -> bool:
+        """Is it that of A's pattern?"""
+        return self.indptr is A.indptr and self.indices is A.indices and self.symmetric == A.symmetric
+
+    def call(self, phase: int, data: NDArray, b: NDArray, x: NDArray) -> int:
+        error = ctypes.c_int(0)
+        self.used = True
+
+        def i(v: int) -> ctypes._CArgObject:  # type: ignore[name-defined]
+            return ctypes.byref(ctypes.c_int(v))
+
+        def p(a: NDArray) -> ctypes.c_void_p:
+            return a.ctypes.data_as(ctypes.c_void_p)
+
+        self.lib.pardiso(
+            p(self.pt), i(1), i(1), i(-2 if self.symmetric else 11), i(phase), i(len(self.indptr) - 1),
+            p(data), p(self.indptr), p(self.indices), p(np.zeros(1, np.int32)), i(1 if b.ndim == 1 else b.shape[0]),
+            p(self.iparm), i(0), p(b), p(x), ctypes.byref(error),
+        )  # fmt: skip
+        return error.value
+
+    def rest(self) -> bool:
+        """Free the factor alone; whether the order, which does not depend on values, is left."""
+        return self.symmetric and self.used and self._free(0) == 0
+
+    def free(self) -> None:
+        if self.used:
+            self._free(-1)
+            self.pt[:], self.used = 0, False
+
+    def _free(self, phase: int) -> int:
+        z = np.zeros(1)
+        return self.call(phase, z, z, z)
+
+    def __del__(self) -> None:
+        with suppress(Exception):  # interpreter shutdown
+            self.free()
+
+
 class Pardiso:
     """Direct solver. ``single`` keeps the factor in single precision (as a preconditioner).
 
@@ -57,41 +104,20 @@ class Pardiso:
         lib = library()
         if lib is None:
             raise LinearError("MKL is not installed")
-        self._lib = lib
-        if threads:
-            lib.MKL_Set_Num_Threads(ctypes.c_int(threads))
+        self._lib, self._threads = lib, threads
         self.name = "MKL PARDISO"
         self.single, self.mixed = single, mixed
         self.stats: dict[str, float] = {}
-        self._pt = np.zeros(64, np.int64)
-        self._iparm = np.zeros(64, np.int32)
-        self._key: tuple[int, int, bool] | None = None
+        self._own: Analysis | None = None
         self._A: Matrix | None = None
-        self._ones: NDArray[np.int32] | None = None
         self._data: NDArray | None = None
 
-    def _call(self, phase: int, b: NDArray, x: NDArray) -> int:
-        A = self._A
-        assert A is not None and self._data is not None
-        error = ctypes.c_int(0)
+    @property
+    def _kind(self) -> tuple[object, ...]:
+        """What an analysis depends on beside the pattern."""
+        return type(self), self._threads, self.single, self.mixed
 
-        def i(v: int) -> ctypes._CArgObject:  # type: ignore[name-defined]
-            return ctypes.byref(ctypes.c_int(v))
-
-        def p(a: NDArray) -> ctypes.c_void_p:
-            return a.ctypes.data_as(ctypes.c_void_p)
-
-        nrhs = 1 if b.ndim == 1 else b.shape[0]
-        self._lib.pardiso(
-            p(self._pt), i(1), i(1), i(-2 if A.symmetric else 11), i(phase), i(A.n),
-            p(self._data), p(A.indptr), p(A.indices), p(np.zeros(1, np.int32)), i(nrhs),
-            p(self._iparm), i(0), p(b), p(x), ctypes.byref(error),
-        )  # fmt: skip
-        return error.value
-
-    def _setup(self, A: Matrix) -> None:
-        ip = self._iparm
-        ip[:] = 0
+    def _setup(self, A: Matrix, ip: NDArray[np.int32]) -> None:
         ip[0] = 1  # own settings below
         ip[1] = 3 if A.n > 20000 else 2  # nested dissection (parallel for large graphs)
         ip[7] = 0  # no iterative refinement: Newton corrects
@@ -111,60 +137,65 @@ class Pardiso:
         LDL^T keeps the analysis for the factorisation; that of LU depends on values and is made anew with them.
         """
         if A.symmetric:
-            self._analyse(A)
+            own = self._analyse(A)
         else:
             rows = np.repeat(np.arange(A.n, dtype=np.int32), np.diff(A.indptr))
-            self._analyse(Matrix(A.indptr, A.indices, (A.indices == rows).astype(float), False))
-        need = 1024.0 * max(float(self._iparm[14]), float(self._iparm[15]) + float(self._iparm[16]))
+            own = self._analyse(Matrix(A.indptr, A.indices, (A.indices == rows).astype(float), False))
+        ip = own.iparm
+        need = 1024.0 * max(float(ip[14]), float(ip[15]) + float(ip[16]))
         if not A.symmetric:
             self.close()
         return need
 
-    def _analyse(self, A: Matrix) -> None:
-        """Order the unknowns, once as long as the pattern arrays stay the same objects."""
-        key = (id(A.indptr), id(A.indices), A.symmetric)
-        if key != self._key:
-            self.close()
-            self._A, self._key = A, key
-            self._setup(A)
-            self._phase(11, A)
+    def _analyse(self, A: Matrix) -> Analysis:
+        """Order the unknowns, once as long as the pattern arrays stay the same objects, over runs that share them."""
+        if self._threads:
+            self._lib.MKL_Set_Num_Threads(ctypes.c_int(self._threads))
+        if self._own is not None and self._own.of(A):
+            return self._own
+        self.close()
+        self._own, self._A = A.take(self._kind), A
+        if self._own is None:
+            self._own = Analysis(self._lib, A)
+            self._setup(A, self._own.iparm)
+            self._phase(11, A, self._own)
+        return self._own
 
-    def _phase(self, phase: int, A: Matrix) -> None:
+    def _phase(self, phase: int, A: Matrix, own: Analysis) -> None:
         self._A = A
         self._data = A.data.astype(np.float32) if self.single else A.data
         z = np.zeros(1, self._data.dtype)
-        err = self._call(phase, z, z)
+        err = own.call(phase, self._data, z, z)
         if err:
-            self._key = None
+            self._own = None
+            own.free()
             raise LinearError(f"MKL PARDISO: {_ERRORS.get(err, f'error {err}')}")
 
     def factor(self, A: Matrix) -> None:
         """Factorise; the analysis is reused while the pattern arrays stay the same objects."""
-        self._analyse(A)
-        self._phase(22, A)
+        own = self._analyse(A)
+        self._phase(22, A, own)
+        ip = own.iparm
         self.stats = {
-            "equations": A.n, "entries": len(A.data), "factor_entries": float(self._iparm[17]),
-            "factor_kB": float(max(self._iparm[14], self._iparm[15] + self._iparm[16])),
-            "perturbed_pivots": float(self._iparm[13]),
+            "equations": A.n, "entries": len(A.data), "factor_entries": float(ip[17]),
+            "factor_kB": float(max(ip[14], ip[15] + ip[16])), "perturbed_pivots": float(ip[13]),
         }  # fmt: skip
 
     def solve(self, b: Floats) -> Floats:
-        dtype = np.float32 if self.single else np.float64
-        b = np.ascontiguousarray(b, dtype=dtype)
+        assert self._own is not None and self._data is not None
+        b = np.ascontiguousarray(b, dtype=np.float32 if self.single else np.float64)
         x = np.empty_like(b)
-        err = self._call(33, b, x)
+        err = self._own.call(33, self._data, b, x)
         if err:
             raise LinearError(f"MKL PARDISO: {_ERRORS.get(err, f'error {err}')}")
         return x.astype(np.float64, copy=False)
 
     def close(self) -> None:
-        """Free the factor."""
-        if self._key is not None and self._A is not None:
-            z = np.zeros(1)
-            self._call(-1, z, z)
-        self._key = None
-        self._pt[:] = 0
-
-    def __del__(self) -> None:
-        with suppress(Exception):  # interpreter shutdown
-            self.close()
+        """Free the factor, and leave the analysis to the next solver of the pattern where this one is shared."""
+        own, self._own = self._own, None
+        if own is None or self._A is None:
+            return
+        if self._A.kept is not None and own.rest():
+            self._A.give(self._kind, own)
+        else:
+            own.free()

@@ -14,7 +14,7 @@ from febkit.model import InputError, Where
 
 from . import tags
 from .inflate import PIECE, Inflated
-from .source import Source
+from .source import Held, Source
 
 _HEAD = 128  # bytes of a packed block that are inflated when it is found
 KEPT = 1 << 28  # bytes of an inflated block that are held at most; a larger one is read piece by piece
@@ -61,14 +61,16 @@ class Bytes:
 class Container:
     """The open file and its top-level blocks; complete blocks only, so a growing file reads well."""
 
-    def __init__(self, path: str | os.PathLike[str], room: Callable[[Container], int] | None = None) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str] | Held, room: Callable[[Container], int] | None = None
+    ) -> None:
         """``room`` gives the bytes that a state of the mesh read so far can fill."""
-        self.path = Path(path)
-        self.where = Where(str(path))
+        self.path = Path() if isinstance(path, Held) else Path(path)
+        self.where = Where(str(self.path))
         self.room = room
         self.blocks: list[Block] = []
         self._held: tuple[Block, Bytes] | None = None
-        self.data = Source(path, self.where)
+        self.data = path if isinstance(path, Held) else Source(path, self.where)
         self.size = len(self.data)
         try:
             self.order = self._magic()

@@ -14,7 +14,7 @@ from . import header, meshes, tags
 from .container import Block, Bytes, Container
 from .floats import Floats
 from .records import MeshOutline, PlotMesh
-from .source import Marks
+from .source import Held, Marks
 
 _NEAR = 1 << 12  # bytes between words up to which they are read at once
 
@@ -44,7 +44,7 @@ class State:
 class PlotFile:
     """A plotfile, any version. Opening indexes blocks; meshes, layouts and data are read when touched."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str] | Held) -> None:
         self.container = Container(path, state_room)
         try:
             self._index()

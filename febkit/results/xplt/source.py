@@ -162,6 +162,35 @@ class Source:
             self.close()
 
 
+class Held(Source):
+    """Bytes in memory."""
+
+    def __init__(self, data: bytes | bytearray) -> None:
+        self._data = memoryview(data)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Held, (bytes(self._data),)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def _read(self, start: int, n: int) -> bytes:
+        return bytes(self._data[start : start + n])
+
+    def into(self, start: int, out: np.ndarray) -> None:
+        view = out.reshape(-1).view(np.uint8)
+        view[:] = np.frombuffer(self._data, np.uint8, len(view), start)
+
+    def look(self) -> int:
+        return len(self)
+
+    def remember(self, end: int) -> None: ...
+
+    def check(self, marks: Marks) -> None: ...
+
+    def close(self) -> None: ...
+
+
 def again(path: str, where: Where, marks: Marks, end: int) -> Source:
     """The file that another process has open; refused where another one has taken its place."""
     source = Source(path, where)

@@ -11,7 +11,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from febkit.files import Output, may_write
+from febkit.files import Buffer, Output, may_write
 
 from . import encode, tags
 from .records import PlotMesh, PlotVariable
@@ -33,7 +33,7 @@ class PlotWriter:
 
     def __init__(
         self,
-        path: str | PathLike[str],
+        path: str | PathLike[str] | Buffer,
         mesh: PlotMesh,
         variables: Sequence[PlotVariable],
         version: int = 0x35,
@@ -57,8 +57,9 @@ class PlotWriter:
             encode.dictionary(self.variables, units is not None),
         )
         self._meshes, self._live = 0, live
-        may_write(path, overwrite)
-        self.output = Output(path)
+        if not isinstance(path, Buffer):
+            may_write(path, overwrite)
+        self.output = path if isinstance(path, Buffer) else Output(path)
         try:
             self.output.write(struct.pack("<I", tags.MAGIC), self._head)
             self.mesh(mesh)
