@@ -2,7 +2,8 @@
 
 import tomllib
 
-from setuptools import find_packages, setup
+import numpy
+from setuptools import Extension, find_packages, setup
 
 with open("pyproject.toml", "rb") as f:
     placed = tomllib.load(f)["tool"]["setuptools"]["package-dir"]
@@ -11,4 +12,6 @@ with open("pyproject.toml", "rb") as f:
 packages = find_packages(include=["febkit", "febkit.*"], exclude=[n + end for n in placed for end in ("", ".*")])
 for name, folder in placed.items():
     packages += [name, *(f"{name}.{p}" for p in find_packages(folder))]
-setup(packages=packages)
+# what calls machine code; without a C compiler kernels are called by ctypes
+call = Extension("febkit.solver._call", ["solver/_call.c"], include_dirs=[numpy.get_include()], optional=True)
+setup(packages=packages, ext_modules=[call])

@@ -27,7 +27,7 @@ def erfc(x: ArrayLike) -> Floats:
 
 
 def gamma(x: ArrayLike) -> Floats:
-    """Gamma function (of parameters, few numbers: numba's has no machine code that :mod:`.native` can load)."""
+    """Gamma function (of parameters, few numbers: numba's needs numba to run)."""
     values = np.asarray(x, float)
     return np.array([math.gamma(v) for v in values.ravel().tolist()]).reshape(values.shape)
 

@@ -1,4 +1,4 @@
-"""What starting costs: help, a one-element model with and without machine code on disk, and a whole suite of models.
+"""What starting costs: help, a one-element model with and without the extension, and a whole suite of models.
 
     python tests/benchmarks/startup.py [--repeat 5] [--cold] [--suite FOLDER]
 
@@ -76,9 +76,7 @@ def table(repeat: int, cold: bool) -> None:
             line("one element, empty kernel cache", *once[:2])
         seconds(run)
         line("one element", *best(run, repeat))
-        numbas = {"FEBKIT_NATIVE": "0"}
-        seconds(run, numbas)
-        line("one element, kernels through numba", *best(run, repeat, numbas))
+        line("one element, kernels called by ctypes", *best(run, repeat, {"FEBKIT_NATIVE": "0"}))
 
 
 def suite(folder: Path) -> None:

@@ -1,8 +1,8 @@
-"""Machine code without numba: same answers, its own argument checks, and numba where it cannot serve."""
+"""Machine code of kernels: same answers, called with what it is for alone, and numba where it cannot serve."""
 
 from __future__ import annotations
 
-import os
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from febkit.solver import cache as store
-from febkit.solver import native
+from febkit.solver import calls, jit
+from febkit.solver.calls import Calls, describe, takes
 from febkit.solver.jit import Kernel
 from febkit.solver.kernels import pattern, solid
-from febkit.solver.native import MISS, describe
 
-ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.skipif(not native.available(), reason="kernels run through numba here")
+pytestmark = pytest.mark.skipif(not jit.PLAIN, reason="kernels run as Python here")
+MISSED = object()
 
 
 def _sum_rows(a, out, scale, shift, twice):
@@ -49,6 +49,17 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def _calls(kind: type, kernel: Kernel) -> Calls:
+    """The kernel's machine code alone, called by the extension or by ctypes."""
+    code = type("Code", (kind,), {"missed": lambda *_: MISSED})()
+    for types in kernel.found:
+        code.add(kernel._made(types), types)
+    return code
+
+
+BOTH = pytest.mark.parametrize("kind", {Calls, calls._Calls}, ids=lambda c: c.__module__)
+
+
 def _objects(cache: Path) -> list[Path]:
     return sorted(cache.rglob("*.o"))
 
@@ -60,7 +71,7 @@ def test_same_answer_as_the_function(cache: Path) -> None:
         assert kernel(a, got, scale, shift, twice) == _sum_rows(a, expected, scale, shift, twice)
         np.testing.assert_allclose(got, expected, rtol=1e-15)
     assert len(_objects(cache)) == 1  # numpy's scalars are served by the code for Python's
-    assert kernel._compiled is None  # numba's dispatcher was not needed
+    assert "compiled" not in vars(kernel)  # numba's dispatcher was not needed
 
 
 @pytest.mark.parametrize("view", [
@@ -73,42 +84,54 @@ def test_arrays_of_any_shape_in_memory(cache: Path, view) -> None:
         assert kernel(x) == pytest.approx(float(np.mean(x)), rel=1e-6)
 
 
-def test_read_only_arrays_have_code_of_their_own(cache: Path) -> None:
+@BOTH
+def test_read_only_arrays_have_code_of_their_own(cache: Path, kind: type) -> None:
     kernel, a = Kernel(_mean, {}), np.ones((3, 3))
     a.flags.writeable = False
     assert kernel(a) == 1.0
     assert describe((a,)) == "f8.2Cr"
-    (code,) = kernel._native
+    code = _calls(kind, kernel)
     assert code(np.ones((3, 3))) == 1.0  # code that only reads takes what may be written
-    assert code(np.ones(3)) is MISS
+    assert code(np.ones(3)) is MISSED
 
 
-def test_code_looks_at_its_arguments() -> None:
+def test_what_code_for_given_types_takes() -> None:
+    assert takes("int f8.2Aw f8.1Cr", "int f8.2Cw f8.1Cw")
+    for types in ("f8.2Cw f8.1Cw", "int f8.2Fw f8.1Cw", "int f8.2Aw f8.1Aw x", "float f8.2Cw f8.1Cr",
+                  "int i8.2Cw f8.1Cr", "int f8.1Cw f8.1Cr"):  # fmt: skip
+        assert not takes(types, "int f8.2Cw f8.1Cr"), types
+
+
+@BOTH
+def test_code_looks_at_its_arguments(kind: type) -> None:
     X, conn = np.zeros((4, 3)), np.array([[0, 1, 2, 3]], np.int32)
     args = (0, 1, X, conn, np.zeros((1, 4, 3)), np.zeros((1, 1, 3, 3)), np.zeros((1, 1, 3, 3)), np.zeros((1, 1)))
     kernel = Kernel(solid.kinematics.function, {})
     kernel(*args)
-    code = kernel._native
-    assert len(code) == 1
+    code = _calls(kind, kernel)
+    assert code(*args) == -1 and len(kernel.found) == 1
     for k, other in ((0, 0.0), (0, True), (0, None), (2, X[:, ::2]), (2, X[0]), (2, X.astype("f4")), (2, [1.0]),
                      (3, conn.astype("i8")), (3, conn.astype(">i4")), (7, np.zeros((1, 1)).view(np.matrix))):
         changed = list(args)
         changed[k] = other
-        assert code[0](*changed) is MISS
-    assert code[0](*args[:-1]) is MISS and code[0]() is MISS
-    with pytest.raises(OverflowError):
-        code[0](2**70, *args[1:])
+        assert code(*changed) is MISSED
+    assert code(*args[:-1]) is MISSED and code() is MISSED
+    with pytest.raises((OverflowError, struct.error)):
+        code(2**70, *args[1:])
+    with pytest.raises(TypeError):
+        code(*args, more=1)
 
 
-def test_references_are_counted(cache: Path) -> None:
+@BOTH
+def test_references_are_counted(cache: Path, kind: type) -> None:
     kernel, a, out = Kernel(_sum_rows, {}), np.ones((3, 2)), np.zeros(3)
     kernel(a, out, 1.0, 0, False)
-    (code,) = kernel._native
-    before = [sys.getrefcount(x) for x in (a, out, MISS)]
+    code = _calls(kind, kernel)
+    before = [sys.getrefcount(x) for x in (a, out, MISSED, code)]
     for _ in range(1000):
         code(a, out, 1.0, 0, False)
         code(a, out, 1, 0, False)
-    assert [sys.getrefcount(x) for x in (a, out, MISS)] == before
+    assert [sys.getrefcount(x) for x in (a, out, MISSED, code)] == before
 
 
 def test_a_second_process_needs_no_numba(cache: Path) -> None:
@@ -136,38 +159,26 @@ def test_damaged_files_are_made_again(cache: Path) -> None:
 
 
 def test_code_that_needs_what_is_not_here_is_left_to_numba(cache: Path) -> None:
-    kernel = Kernel(_mean, {})
-    kernel(np.ones(3))
+    args = np.ones((2, 3)), np.zeros(2), 1.0, 0, False
+    Kernel(_sum_rows, {})(*args)
     (path,) = _objects(cache)
-    code, names = native.unpack(store.read(path))
-    store.write(path, native.pack(code, [*names, "a_function_that_nobody_has"]))
-    again = Kernel(_mean, {})
-    assert again(np.ones(3)) == 1.0
-    assert again._native == () and again._compiled is not None
+    code = store.read(path)
+    store.write(path, code.replace(b"malloc", b"nobody"))
+    again = Kernel(_sum_rows, {})
+    assert again(*args) == 2
+    assert list(again.found.values()) == [False]
 
 
 def test_results_that_are_no_number_are_left_to_numba(cache: Path) -> None:
     kernel = Kernel(_pair, {})
     assert kernel(np.array([1.0, 2.0])) == (1.0, 2.0)
-    assert kernel._native == ()
+    assert list(kernel.found.values()) == [False]
 
 
 def test_arguments_that_numba_knows_alone(cache: Path) -> None:
     kernel = Kernel(_pair, {})
     assert kernel((3, 4)) == (3, 4)
     assert describe(((3, 4),)) is None and describe((np.int32(1),)) is None and describe((None,)) is None
-
-
-def test_switched_off(cache: Path) -> None:
-    program = (
-        "import sys, numpy as np\n"
-        "from febkit.solver.kernels.tensors import inner\n"
-        "print(inner(np.ones(6), np.arange(6.0)), len(inner._native))"
-    )
-    env = {**os.environ, "FEBKIT_NATIVE": "0"}
-    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, env=env)
-    assert said.stdout.split() == ["27.0", "0"]
-    assert _objects(cache) == []
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 10, 100, 1000])
@@ -198,7 +209,7 @@ def test_kernels_that_enclose_what_has_no_name_are_left_to_numba(cache: Path) ->
 
     kernel = Kernel(first, {})
     assert kernel(np.array([4.0])) == 8.0
-    assert kernel._native == ()
+    assert list(kernel.found.values()) == [False]
 
 
 def test_eigenvectors_have_code_of_their_own(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
