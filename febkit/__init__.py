@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from febkit.modelling.curves import Curve
     from febkit.modelling.model import read
     from febkit.results import open as open_results
+    from febkit.sampling.sweep import sweep
     from febkit.solving import solve
     from febkit.viewer import view
 
@@ -30,12 +31,13 @@ _LAZY = {
     "write": ("febkit.feb", "write"),
     "solve": ("febkit.solving", "solve"),
     "open_results": ("febkit.results", "open"),
+    "sweep": ("febkit.sampling.sweep", "sweep"),
     "view": ("febkit.viewer", "view"),
     "Model": ("febkit.modelling", "Model"),
     "Curve": ("febkit.modelling.curves", "Curve"),
 }
 
-__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "view", "write"]
+__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "sweep", "view", "write"]
 
 _watch_meshio()
 

@@ -111,6 +111,31 @@ def variables(chosen: Mapping[str, Observable], model: Model) -> list[str] | Non
     return list(out)
 
 
+def check(chosen: Mapping[str, Observable], model: Model, kept: Sequence[str] | None) -> None:
+    """Raise InputError for words that no result of the model, of the plot variables ``kept``, can answer.
+
+    They are asked of a state without values. Functions are not: what they do depends on these.
+    """
+    from dataclasses import replace
+
+    from febkit.files import Buffer
+    from febkit.model import PlotVariable
+    from febkit.output.plotfile import PlotListener
+    from febkit.results import held
+
+    if kept is not None:
+        model = replace(model, output=replace(model.output, plot=tuple(map(PlotVariable, kept))))
+    buffer, said = Buffer(), list[str]()
+    PlotListener(model, buffer, said.append).writer.state(0.0, {})
+    ds = held(buffer.data)
+    for o in chosen.values():
+        if o.variables is not None:
+            try:
+                o(ds)
+            except InputError as e:
+                raise InputError("; ".join([f"observable {o.name!r}: {e.message}", *said])) from None
+
+
 def _reaction(name: str, word: str) -> Follow:
     from febkit.metrics.summary import scalar_of
 

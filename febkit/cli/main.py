@@ -23,6 +23,7 @@ VERBS = {
     "compare": "Compare cell metrics of two models statistically.",
     "plot": "Draw figures of metrics and results.",
     "view": "Look at results in the browser.",
+    "sweep": "Solve a model at many values of its parameters.",
     "study": "Plan, run and report a whole study.",
     "diff": "Compare two inputs or two results.",
 }

@@ -14,7 +14,7 @@ from . import exits, printing
 from .paths import INPUT
 
 if TYPE_CHECKING:
-    from febkit.study.plan import Plan
+    from febkit.study.plan import Plan, Work
     from febkit.study.run import Outcome, Summary
 
 _STUDY = click.argument("study", type=INPUT)
@@ -50,7 +50,7 @@ def run(study: Path, overrides: tuple[str, ...], scheduler: str, quiet: bool) ->
     if quiet:
         summary = carry_out(plan, scheduler)
     else:
-        summary = _with_progress(plan, scheduler)
+        summary = with_progress(plan, scheduler)
     for o in summary.failed:
         printing.note(f"failed: {o.label}: {o.message}")
     if not quiet:
@@ -110,7 +110,7 @@ def _plan(study: Path, overrides: tuple[str, ...]) -> Plan:
     return make_plan(read(study, overrides))
 
 
-def _with_progress(plan: Plan, scheduler: str) -> Summary:
+def with_progress(plan: Work, scheduler: str) -> Summary:
     """A bar where there is a terminal, else a line for each step."""
     from febkit.study.run import carry_out
 

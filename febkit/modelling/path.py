@@ -1,4 +1,5 @@
-"""FEBio's parameter paths: ``fem.material('cartilage').solid.E``, as its optimisation files and logs write them."""
+"""FEBio's parameter paths: ``fem.material('cartilage').solid.E``, as its optimisation files and logs write them; a
+material's name alone will do, ``cartilage.solid.E``."""
 
 from __future__ import annotations
 
@@ -48,6 +49,8 @@ def _first(model: Model, path: str, what: str, name: str | None, place: int | No
         if key not in names:
             raise InputError(f"{path}: {missing('material', str(name or place), names)}")
         return model.materials[key]
+    if what not in _LISTS and what in model.materials:
+        return model.materials[what]
     if what not in _LISTS:
         raise InputError(f"{path}: {missing('list', what, ['material', *_LISTS])}")
     for stage in (model, *model.steps):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from .config import Method, Point, Study
+from .config import Method, Point, Resources, Study
 from .step import Step
 from .store import Store
 
@@ -27,17 +27,13 @@ class Place(NamedTuple):
     seed: int = 0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Plan:
-    """Steps whose results are the study's: metrics and agreement by their place."""
+class Work:
+    """Steps whose results are wanted, the folder where these are kept, and what doing one takes."""
 
-    study: Study
-    metrics: Mapping[Place, Step]
-    agreement: Mapping[Place, Step]
-
-    @property
-    def targets(self) -> tuple[Step, ...]:
-        return (*self.metrics.values(), *self.agreement.values())
+    __slots__ = ()
+    targets: tuple[Step, ...]
+    folder: Path
+    resources: Resources
 
     def steps(self) -> dict[str, Step]:
         """All steps by address, inputs before what rests on them."""
@@ -57,6 +53,27 @@ class Plan:
         for t in self.targets:
             visit(t)
         return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan(Work):
+    """Steps whose results are the study's: metrics and agreement by their place."""
+
+    study: Study
+    metrics: Mapping[Place, Step]
+    agreement: Mapping[Place, Step]
+
+    @property
+    def targets(self) -> tuple[Step, ...]:  # type: ignore[override]
+        return (*self.metrics.values(), *self.agreement.values())
+
+    @property
+    def folder(self) -> Path:  # type: ignore[override]
+        return self.study.folder
+
+    @property
+    def resources(self) -> Resources:  # type: ignore[override]
+        return self.study.resources
 
 
 def make_plan(study: Study) -> Plan:

@@ -12,7 +12,7 @@ from typing import Any
 from febkit.model import InputError
 
 from .config import Resources
-from .plan import Plan
+from .plan import Work
 from .step import Step
 from .store import Store
 
@@ -48,13 +48,13 @@ class Summary:
         return not self.failed and not self.skipped
 
 
-def carry_out(plan: Plan, scheduler: str = "local", progress: Progress | None = None) -> Summary:
+def carry_out(plan: Work, scheduler: str = "local", progress: Progress | None = None) -> Summary:
     """Do what the store does not hold yet; a second run after an interruption carries on.
 
     scheduler  "local" (Dask workers on this machine), "serial" (this process), or the address of a Dask
                scheduler such as "tcp://host:8786" whose workers see the study's folder
     """
-    store = Store(plan.study.folder.resolve())
+    store = Store(plan.folder.resolve())
     with store.alone():
         needed = plan.needed(store)
         summary = Summary(reused=len(plan.steps()) - len(needed))
@@ -94,7 +94,7 @@ def _serial(store: Store, needed: dict[str, Step]) -> Iterator[Outcome]:
         yield do(str(store.root), step.spec())
 
 
-def _dask(plan: Plan, store: Store, needed: dict[str, Step], scheduler: str) -> Iterator[Outcome]:
+def _dask(plan: Work, store: Store, needed: dict[str, Step], scheduler: str) -> Iterator[Outcome]:
     if not needed:
         return
     try:
@@ -104,7 +104,7 @@ def _dask(plan: Plan, store: Store, needed: dict[str, Step], scheduler: str) -> 
             'the "local" scheduler and tcp:// addresses need Dask: pip install "febkit[dask]", '
             "or use --scheduler serial"
         ) from None
-    with _client(Client, plan.study.resources, len(needed), scheduler) as client:
+    with _client(Client, plan.resources, len(needed), scheduler) as client:
         _check_sight(client, store)
         futures: dict[str, Any] = {}
         root = str(store.root)

@@ -18,6 +18,7 @@ VERSIONS: Mapping[str, int] = {
     "drive": 2,
     "measure": 2,
     "compare": 3,
+    "sample": 1,
 }
 
 

@@ -143,6 +143,13 @@ def compare(job: Job) -> None:
         agree(a.load(), b.load()).to_netcdf(job.folder / AGREEMENT)
 
 
+def sample(job: Job) -> None:
+    """A model at some points of its parameters: a batch of a sweep (:mod:`febkit.sampling`)."""
+    from febkit.sampling.runs import batch
+
+    batch(job.files["model"], job.params, job.folder)
+
+
 def _peak_memory() -> float:
     """MB this process has held at most, this step or an earlier one."""
     import resource
@@ -160,4 +167,5 @@ KINDS: Mapping[str, Callable[[Job], None]] = {
     "drive": drive,
     "measure": measure,
     "compare": compare,
+    "sample": sample,
 }

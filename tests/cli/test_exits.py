@@ -109,6 +109,8 @@ CASES = [
     ("plot histories cells.nc -o out/h.bmp", 2, "ends in .png"),
     ("plot section plug.xplt -f effective_stress --at 0.1 --window 1 0 0 1 -o out/s.png", 2, "--window"),
     ("view page.feb --no-browser", 2, "page.feb"),
+    ("sweep plug.feb --vary cartilage.solid.E=1:-2 --observe x", 2, "low < high"),
+    ("sweep plug.feb --vary cartilage.solid.E --observe x", 2, "PATH=LOW:HIGH"),
     ("study status study.toml", 2, "no_such_entry"),
     ("study run missing.toml", 2, "there is no such file"),
     ("diff plug.feb plug.feb", 0, "same meaning"),
@@ -145,7 +147,8 @@ def test_wrong_files_are_refused_in_a_sentence(folder: Path, verb: str) -> None:
     if not pipe.exists():
         os.mkfifo(pipe)
     rest = {"convert": ["out/c.vtu"], "compare": ["cells.nc"], "plot": ["-o", "out/p.png"], "diff": ["plug.xplt"],
-            "boundary": ["plug.feb", "--at", "0,0,0", "-o", "out/b.feb"]}.get(verb, [])  # fmt: skip
+            "boundary": ["plug.feb", "--at", "0,0,0", "-o", "out/b.feb"],
+            "sweep": ["--vary", "a.E=1:2", "--observe", "reaction top z"]}.get(verb, [])  # fmt: skip
     first = {"plot": ["plot", "histories"], "study": ["study", "status"]}.get(verb, [verb])
     for name in ("folder", "empty", "binary", "missing", "pipe"):
         if (verb, name) == ("study", "empty"):
@@ -173,7 +176,8 @@ def test_the_table_in_the_docs_names_every_verb_and_its_codes() -> None:
     for verb, cells in rows.items():
         for code, cell in zip((0, 1, 2), cells.split("|"), strict=True):
             assert cell.strip(), (verb, code)
-            elsewhere = {("run", 0), ("plot", 0), ("study", 0), ("study", 1), ("view", 0)}
+            elsewhere = {("run", 0), ("plot", 0), ("study", 0), ("study", 1), ("view", 0),
+                             ("sweep", 0), ("sweep", 1)}  # fmt: skip
             if cell.strip() != "-" and (verb, code) not in elsewhere:
                 assert (verb, code) in tried, f"febkit {verb}: exit code {code} is in the docs and not tried"
             assert cell.strip() != "-" or (verb, code) not in tried, (verb, code)

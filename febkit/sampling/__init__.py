@@ -1,0 +1,1 @@
+"""A model solved at many values of its parameters: :func:`febkit.sweep`."""
