@@ -9,12 +9,13 @@ counted by numba's runtime, whose entries are given here on malloc and free, as 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import cgutils, compiler, types
+from numba.core.codegen import AOTCPUCodegen
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.np.arrayobj import populate_array
@@ -43,8 +44,10 @@ def numba_type(word: str) -> Any:
 
 
 @global_compiler_lock
-def compiled(fn: Callable[..., Any], options: dict[str, Any], described: str, name: str, level: str) -> bytes:
-    """Object code of ``fn`` for the described arguments and processors of ``level``, its entry called ``name``.
+def compiled(
+    fn: Callable[..., Any], options: dict[str, Any], described: str, name: str, levels: Sequence[str]
+) -> list[bytes]:
+    """Object code of ``fn`` for the described arguments, its entry called ``name``, for each level of processors.
 
     Raises whatever numba raises, and TypeError where the kernel returns more than one number.
     """
@@ -52,15 +55,23 @@ def compiled(fn: Callable[..., Any], options: dict[str, Any], described: str, na
     flags = compiler.Flags()
     cpu_target.options.parse_as_flags(flags, {**OPTIONS, **options})
     flags.nrt = flags.no_compile = True
-    context = cpu_target.target_context.with_aot_codegen(name, cpu_name=level)
+    context = cpu_target.target_context.with_aot_codegen(name, cpu_name=levels[0])
     made = compiler.compile_extra(cpu_target.typing_context, context, fn, args, None, flags, {})
-    library = made.library
-    for f in library.get_defined_functions():
-        f.linkage = "linkonce_odr"  # dropped where it is a part of the entry
-    module = library.create_ir_module(f"febkit.{name}")
+    module = made.library.create_ir_module(f"febkit.{name}")
     _entry(module, made, args, name)
-    library.add_ir_module(module)
-    library.add_linking_library(_runtime(context.codegen()))  # last: of it, what the others need is linked
+    made.library.add_ir_module(module)
+    return [_object(made.library, name, level) for level in levels]
+
+
+def _object(made: Any, name: str, level: str) -> bytes:
+    """Object code of a library that numba has not optimised yet."""
+    library = AOTCPUCodegen(name, level).create_library(name)
+    library.add_llvm_module(made._final_module.clone())
+    for callee in (*made._linking_libraries, _runtime(library.codegen)):  # last: of it, what the others need is linked
+        library.add_linking_library(callee)
+    for f in library.get_defined_functions():
+        if f.name != name:
+            f.linkage = "linkonce_odr"  # dropped where it is a part of the entry
     library.finalize()
     for f in library._final_module.functions:
         if f.is_declaration and f.name.startswith(ELSEWHERE):

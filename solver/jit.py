@@ -18,8 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-from . import cache
-from .calls import Calls, describe, level
+from . import cache, library
+from .calls import Calls, describe, level, takes
 from .compilation import compiling, paused
 from .sources import source_hash
 
@@ -82,14 +82,24 @@ class Kernel(Calls):  # type: ignore[misc]
     def _find(self, types: str) -> bool:
         """Take machine code for the described arguments from disk, or make it; False where numba must do."""
         try:
-            self.add(self._made(types), types)
+            self.add(*(self._shipped(types) or self._made(types)))
             return True
         except Exception as e:  # numba's dispatcher runs it, or says what is wrong with it
             if os.environ.get("FEBKIT_NATIVE") == "1":
                 raise RuntimeError(f"no machine code of its own for {self.__name__}({types}): {e}") from e
             return False
 
-    def _made(self, types: str) -> int:
+    def _shipped(self, types: str) -> tuple[int, str] | None:
+        """The address of machine code that came with the wheel and takes these types, and its own types."""
+        module = self.__module__.removeprefix("febkit.solver.")
+        fitting = (t for t in library.listed(f"{module} {self.__name__}") if takes(t, types))
+        for own in sorted(fitting, key=lambda t: t != types):
+            address = library.address(self.symbol(own))
+            if address:
+                return address, own
+        return None
+
+    def _made(self, types: str) -> tuple[int, str]:
         """The address of machine code from the user's cache, made by this process or by one that was quicker."""
         from .linker import link
 
@@ -103,10 +113,10 @@ class Kernel(Calls):  # type: ignore[misc]
                     with compiling(self.function):
                         from .compile import compiled
 
-                        code = compiled(self.function, self.options, types, name, level())
+                        (code,) = compiled(self.function, self.options, types, name, [level()])
                     if path:
                         cache.write(path, code)
-        return link(code, name)
+        return link(code, name), types
 
 
 def folder() -> Path | None:

@@ -8,6 +8,7 @@ faster than loops; the kernels here make its factors. Bathe, Finite Element Proc
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -88,6 +89,14 @@ def factors(nen: int, fluid: bool) -> Callable[..., Any]:
     # one name, and so one cached machine code, for each element and physics
     make.__name__ = make.__qualname__ = f"factors_{nen}_{'biphasic' if fluid else 'solid'}"
     return kernel(make, fastmath={"contract"})
+
+
+def __getattr__(name: str) -> Any:
+    """The kernel ``factors_8_biphasic`` under its name, by which the list of shipped machine code knows it."""
+    found = re.fullmatch(r"factors_(\d+)_(solid|biphasic)", name)
+    if not found:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return factors(int(found[1]), found[2] == "biphasic")
 
 
 # block of components (i, j), i <= j, among the rows of the product; 6 is that of the pressure

@@ -53,7 +53,7 @@ def _calls(kind: type, kernel: Kernel) -> Calls:
     """The kernel's machine code alone, called by the extension or by ctypes."""
     code = type("Code", (kind,), {"missed": lambda *_: MISSED})()
     for types in kernel.found:
-        code.add(kernel._made(types), types)
+        code.add(*kernel._made(types))
     return code
 
 
