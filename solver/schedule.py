@@ -40,6 +40,8 @@ class Share:
 
 def chunk_size(elements: int, threads: int) -> int:
     """Elements of a chunk, so that every thread has several of them and none is too large for the cache."""
+    if elements < 2 * LEAST:  # one thread's work
+        return MOST
     return max(min(MOST, -(-elements // (2 * threads))), FEWEST)
 
 

@@ -12,7 +12,7 @@ from .fields import ROTATION
 from .finite import whole
 from .graph import Graph, MakeGraph
 from .group import Group
-from .kernels.pattern import scatter_any
+from .kernels.pattern import scatter_any, uncouple
 from .law import PoreCollapse
 from .linear.base import Matrix
 from .mass import Mass
@@ -422,10 +422,7 @@ class System:
         assert self.dry is not None
         dry = np.zeros(A.n, bool)
         dry[self.eqs.free[self.dry]] = True
-        row = np.repeat(np.arange(A.n), np.diff(A.indptr))
-        A.data[(dry[row] | dry[A.indices]) & (row != A.indices)] = 0.0
-        at = dry[row] & (row == A.indices)
-        A.data[at] = np.where(A.data[at] == 0.0, -1.0, A.data[at])
+        uncouple(A.indptr, A.indices, A.data, dry)
         Fd[self.dry] = 0.0
 
     def _add(self, A: Matrix, K: Floats, nodes: NDArray, columns: NDArray, step: Floats, Fd: Floats) -> None:

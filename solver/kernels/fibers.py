@@ -36,29 +36,6 @@ def squared_stretch(F, J, A, iso, In):
 
 
 @kernel
-def power_tension(In, ksi, beta, sn, cn):
-    """sn = 2 In dW/dIn and cn = 4 In^2 d2W/dIn2 (n, m) of W = ksi (In - 1)^beta in tension; ksi, beta (1|n, m)."""
-    for i in range(In.shape[0]):
-        a = i if ksi.shape[0] > 1 else 0
-        b = i if beta.shape[0] > 1 else 0
-        for j in range(In.shape[1]):
-            x = In[i, j] - 1.0
-            sn[i, j] = cn[i, j] = 0.0
-            if x > 0.0:
-                q = beta[b, j]
-                # powers are dear, and exponents of a spherical family 2 or 3 but for rounding
-                if abs(q - 3.0) < 1e-14:
-                    power = x
-                elif abs(q - 2.0) < 1e-14:
-                    power = 1.0
-                else:
-                    power = x ** (q - 2.0)
-                k = ksi[a, j] * q * power
-                sn[i, j] = 2.0 * In[i, j] * k * x
-                cn[i, j] = 4.0 * In[i, j] * In[i, j] * k * (q - 1.0)
-
-
-@kernel
 def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
     """Add sum_j w_j (sn N + g sym(N' (B - I))) / J and its tangent.
 
@@ -104,3 +81,93 @@ def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
                 if c.shape[0] > 0:
                     for q in range(6):
                         c[i, p, q] += h[0, p, q] / J[i]
+
+
+@kernel
+def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
+    """Add the stress and tangent of fibers W = ksi (In - 1)^beta in tension; w (m,), ksi, beta (1|n, m).
+
+    n dyad n dyad n dyad n has fifteen different components, summed up by pairs of coordinates.
+    """
+    T, h, M = np.empty(6), np.empty((1, 6, 6)), np.empty((5, 3))
+    for i in range(len(J)):
+        d = i if A.shape[0] > 1 else 0
+        a = i if ksi.shape[0] > 1 else 0
+        b = i if beta.shape[0] > 1 else 0
+        scale = J[i] ** (-2.0 / 3.0) if iso else 1.0
+        clear(T, h)
+        M[:] = 0.0
+        for j in range(A.shape[1]):
+            x = F[i, 0, 0] * A[d, j, 0] + F[i, 0, 1] * A[d, j, 1] + F[i, 0, 2] * A[d, j, 2]
+            y = F[i, 1, 0] * A[d, j, 0] + F[i, 1, 1] * A[d, j, 1] + F[i, 1, 2] * A[d, j, 2]
+            z = F[i, 2, 0] * A[d, j, 0] + F[i, 2, 1] * A[d, j, 1] + F[i, 2, 2] * A[d, j, 2]
+            xx, yy, zz = x * x, y * y, z * z
+            e = scale * (xx + yy + zz) - 1.0
+            if e <= 0.0:
+                continue
+            q = beta[b, j]
+            k = 2.0 * w[j] * ksi[a, j] * q * scale * _power(e, q - 2.0)
+            xy, yz, xz = x * y, y * z, x * z
+            f = k * e
+            T[0] += f * xx
+            T[1] += f * yy
+            T[2] += f * zz
+            T[3] += f * xy
+            T[4] += f * yz
+            T[5] += f * xz
+            if c.shape[0] > 0:
+                g = 2.0 * scale * k * (q - 1.0)
+                gx, gy, gz = g * xx, g * yy, g * zz
+                M[0, 0] += gx * xx
+                M[0, 1] += gy * yy
+                M[0, 2] += gz * zz
+                M[1, 0] += gx * yy
+                M[1, 1] += gy * zz
+                M[1, 2] += gx * zz
+                M[2, 0] += gx * xy
+                M[2, 1] += gy * xy
+                M[2, 2] += gz * xy
+                M[3, 0] += gx * yz
+                M[3, 1] += gy * yz
+                M[3, 2] += gz * yz
+                M[4, 0] += gx * xz
+                M[4, 1] += gy * xz
+                M[4, 2] += gz * xz
+        _fill(M, h)
+        if iso:
+            add_deviatoric_stress(s, i, 1.0 / J[i], T)
+            if c.shape[0] > 0:
+                add_deviatoric_tangent(c, i, 1.0 / J[i], T, h)
+            continue
+        for p in range(6):
+            s[i, p] += T[p] / J[i]
+            if c.shape[0] > 0:
+                for q in range(6):
+                    c[i, p, q] += h[0, p, q] / J[i]
+
+
+@kernel
+def _power(x, q):
+    """x^q: powers are dear, and exponents of a spherical family 0, 1/2 or 1 but for rounding."""
+    if abs(q) < 1e-14:
+        return 1.0
+    if abs(q - 0.5) < 1e-14:
+        return np.sqrt(x)
+    if abs(q - 1.0) < 1e-14:
+        return x
+    return x**q
+
+
+@kernel
+def _fill(M, h):
+    """h (1, 6, 6) of sums M (5, 3) of xxxx yyyy zzzz, xxyy yyzz xxzz, and xx yy zz by xy, by yz, by xz."""
+    for p in range(3):
+        h[0, p, p] = M[0, p]
+        for q in range(3):
+            h[0, p, 3 + q] = h[0, 3 + q, p] = M[2 + q, p]
+    h[0, 0, 1] = h[0, 1, 0] = h[0, 3, 3] = M[1, 0]
+    h[0, 1, 2] = h[0, 2, 1] = h[0, 4, 4] = M[1, 1]
+    h[0, 0, 2] = h[0, 2, 0] = h[0, 5, 5] = M[1, 2]
+    h[0, 3, 4] = h[0, 4, 3] = M[4, 1]
+    h[0, 4, 5] = h[0, 5, 4] = M[2, 2]
+    h[0, 3, 5] = h[0, 5, 3] = M[3, 0]

@@ -39,7 +39,7 @@ def matrices(B, weight, A, K):
     The first three components are displacements, which enter by their gradients alone.
     """
     ng, n, C = B.shape[1], B.shape[3], A.shape[2]
-    X = np.empty(C * n)
+    X = np.zeros((4, C * n))
     for e in range(B.shape[0]):
         M = K[e]
         M[:] = 0.0
@@ -49,13 +49,14 @@ def matrices(B, weight, A, K):
                 for a in range(1 if r < 3 else 0, 4):
                     for s in range(C):
                         t = T[a, r, s]
-                        if s < 3:
-                            for j in range(n):
-                                X[s * n + j] = t[1] * b[1, j] + t[2] * b[2, j] + t[3] * b[3, j]
-                        else:
-                            for j in range(n):
-                                X[s * n + j] = t[0] * b[0, j] + t[1] * b[1, j] + t[2] * b[2, j] + t[3] * b[3, j]
-                    for i in range(n):
-                        f, row = w * b[a, i], M[r * n + i]
+                        t0 = 0.0 if s < 3 else t[0]
+                        for j in range(n):
+                            X[a, s * n + j] = t0 * b[0, j] + t[1] * b[1, j] + t[2] * b[2, j] + t[3] * b[3, j]
+                for i in range(n):
+                    f0, f1, f2, f3, row = w * b[0, i], w * b[1, i], w * b[2, i], w * b[3, i], M[r * n + i]
+                    if r < 3:
                         for j in range(C * n):
-                            row[j] += f * X[j]
+                            row[j] += f1 * X[1, j] + f2 * X[2, j] + f3 * X[3, j]
+                    else:
+                        for j in range(C * n):
+                            row[j] += f0 * X[0, j] + f1 * X[1, j] + f2 * X[2, j] + f3 * X[3, j]

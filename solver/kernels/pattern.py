@@ -237,41 +237,67 @@ def _add_pair(k, nc, na, nb, far, row, given, indptr, data, step, Fd):
 
 
 @kernel
-def enter(indptr, indices, data, r, c, value, upper):
-    """Add a value at row r, column c; above the diagonal it is left out where the storage is ``upper``: see
-    :func:`scatter`."""
-    at, to = r, c
-    if upper:
-        if c > r:
-            return
-        at, to = c, r
-    lo, hi = indptr[at], indptr[at + 1]
+def find(indptr, indices, r, c):
+    """Where the stored entry of row r and column c is."""
+    lo, hi = indptr[r], indptr[r + 1]
     while lo < hi:
         mid = (lo + hi) >> 1
-        if indices[mid] < to:
+        if indices[mid] < c:
             lo = mid + 1
         else:
             hi = mid
-    data[lo] += value
+    return lo
+
+
+@kernel
+def enter(indptr, indices, data, r, c, value, upper):
+    """Add a value at row r, column c; above the diagonal it is left out where the storage is ``upper``: see
+    :func:`scatter`."""
+    if not upper:
+        data[find(indptr, indices, r, c)] += value
+    elif c <= r:
+        data[find(indptr, indices, c, r)] += value
 
 
 @kernel
 def scatter_any(K, dofs, free, indptr, indices, data, step, Fd, upper):
-    """Add matrices K (m, d, d) with equations dofs (m, d; -1 for none) by search in the rows; see :func:`scatter`."""
+    """Add matrices K (m, d, d) with equations dofs (m, d; -1 for none) by search in the rows; see :func:`scatter`.
+
+    Where a row is not much longer than what is added to it, the places of all of its columns are looked up at once.
+    """
+    d = K.shape[1]
+    place, at = np.zeros(len(indptr) - 1, np.int64), np.empty(d, np.int64)
     for e in range(K.shape[0]):
-        for i in range(K.shape[1]):
-            qr = dofs[e, i]
-            if qr < 0:
-                continue
-            r = free[qr]
+        for i in range(d):
+            at[i] = free[dofs[e, i]] if dofs[e, i] >= 0 else -1
+        for i in range(d):
+            r = at[i]
             if r < 0:
                 continue
-            for j in range(K.shape[2]):
-                qc = dofs[e, j]
-                if qc < 0:
-                    continue
-                c = free[qc]
+            known = indptr[r + 1] - indptr[r] < 8 * d
+            if known:
+                for q in range(indptr[r], indptr[r + 1]):
+                    place[indices[q]] = q
+            for j in range(d):
+                c = at[j]
                 if c < 0:
-                    Fd[qr] -= K[e, i, j] * step[qc]
+                    if dofs[e, j] >= 0:
+                        Fd[dofs[e, i]] -= K[e, i, j] * step[dofs[e, j]]
+                elif upper and c < r:
                     continue
-                enter(indptr, indices, data, r, c, K[e, i, j], upper)
+                elif known:
+                    data[place[c]] += K[e, j, i] if upper else K[e, i, j]
+                else:
+                    data[find(indptr, indices, r, c)] += K[e, j, i] if upper else K[e, i, j]
+
+
+@kernel
+def uncouple(indptr, indices, data, held):
+    """Leave of the rows and columns that ``held`` marks the diagonal alone, -1 where that is 0."""
+    for r in range(len(held)):
+        for q in range(indptr[r], indptr[r + 1]):
+            c = indices[q]
+            if c != r and (held[r] or held[c]):
+                data[q] = 0.0
+            elif c == r and held[r] and data[q] == 0.0:
+                data[q] = -1.0

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..kernels.mixture_flow import balances, fluxes
 from ..law import Floats
+from ..permeabilities.base import open_pores
 from ..points import Points
 from ..solubilities.base import Solubility
-from .flow import diffusivities, flow
+from .flow import diffusivities, permeability
 from .material import Mixture
 from .partition import partition
 from .sides import Sides
@@ -50,6 +52,7 @@ class Fields:
         self.c, self.gc, self.ca = zeros(m), zeros(m, 3), zeros(m)
         self.kappa, self.dkdJ, self.dkdc = np.ones((n, m)), zeros(m), zeros(m, m)
         self.y, self.cF, self.pa = zeros(), zeros(), zeros()
+        self.K, self.D, self.D0 = zeros(6), zeros(m, 6), zeros(m)
         self.w, self.j = zeros(3), zeros(m, 3)
         self.bound, self.rate = zeros(b), zeros(b)
         self.complex, self.complex_rate = zeros(), zeros()
@@ -65,7 +68,7 @@ class Fields:
         self._solid_volume(slice(None), pts)
         self.phi0_start = self.phi0.copy()
         every = slice(None)
-        self.fixed[:] = ~diffusivities(mix, pts, self.solution(every))[0].any(axis=(2, 3))
+        self.fixed[:] = ~diffusivities(mix, pts, self.solution(every))[0].any(axis=2)
         if b:
             self.rate[:] = self._production(pts, self.solution(every))
         self.stored_old, self.J_old = zeros(m), np.ones(n)
@@ -110,12 +113,20 @@ class Fields:
         self.c[q], self.gc[q] = values[:, 0, 1:], values[:, 1:, 1:].transpose(0, 2, 1)
         self._fixed_charge(q, pts, sol)
         partition(mix, pts, sol, self.y[q])
-        f = flow(mix, pts, sol, self.gp[q], self.gc[q])
-        self.w[q], self.j[q] = f.w, f.j
+        self._flow(q, pts, sol)
         phi = mix.osmotic_coefficient.coefficient(pts, sol)
         self.pa[q] = self.p[q] + mix.RT * phi * sol.osmolarity()
         if mix.binds and now is not None:
             self._bind(q, pts, now)
+
+    def _flow(self, q: slice, pts: Points, sol: Solution) -> None:
+        """Permeability, diffusivities and fluxes."""
+        open_pores(pts, sol.phi0)
+        self.K[q], (self.D[q], self.D0[q]) = permeability(self.mix, pts, sol), diffusivities(self.mix, pts, sol)
+        fluxes(
+            self.mix.RT, 1.0 - sol.phi0 / pts.J, self.K[q], self.D[q], self.D0[q], sol.kappa, sol.ca, self.gp[q],
+            self.gc[q], self.w[q], self.j[q],
+        )  # fmt: skip
 
     def _production(self, pts: Points, sol: Solution) -> Floats:
         """Referential mass supplies of solid-bound molecules (n, b)."""
@@ -199,32 +210,23 @@ class Fields:
     def stress(self, q: slice, pts: Points, s: Floats, now: Instant) -> Floats:
         """What the test functions' values and gradients meet at the points ``q``: (n, 4, 4 + m).
 
-        s (n, 3, 3): total stress. Columns u, p, c: stress; dt (w, phi_hat - div v); dt (flux, supply - storage rate).
-        A steady state takes the supply of solutes with the porosity squared, as FEBio 4.11 does.
+        s (n, 6): stress of the solid. Columns u, p, c: stress; dt (w, phi_hat - div v); dt (flux, supply - storage
+        rate). A steady state takes the supply of solutes with the porosity squared, as FEBio 4.11 does.
         """
-        mix, sol, dt = self.mix, self.solution(q), now.dt
-        m, J, steady = sol.m, pts.J, now.steady
-        out = np.zeros((pts.n, 4, 4 + m))
-        out[:, 1:, :3] = s
-        phi = 1.0 - sol.phi0 / J
+        sol, phi = self.solution(q), 1.0 - self.phi0[q] / pts.J
         fluid, made = self._supplies(q, pts, sol, phi)
-        if steady and not mix.neutral:
+        if now.steady and not self.mix.neutral:
             made *= phi[:, None]
-        out[:, 1:, 3] = dt * self.w[q]
-        out[:, 0, 3] = dt * fluid
-        out[:, 1:, 4:] = dt * self.balanced_flux(q, sol).transpose(0, 2, 1)
-        out[:, 0, 4:] = dt * made
-        if not steady:
-            out[:, 0, 3] -= 1.0 - self.J_old[q] / J
-            out[:, 0, 4:] -= phi[:, None] * sol.ca - self.stored_old[q] / J[:, None]
+        out = np.empty((pts.n, 4, 4 + sol.m))
+        balances(
+            now.dt, now.steady, s, self.pa[q], pts.J, self.J_old[q], sol.phi0, sol.ca, self.stored_old[q], self.w[q],
+            self.j[q], self.mix.current, fluid, made, out,
+        )  # fmt: skip
         return out
 
     def balanced_flux(self, q: slice, sol: Solution) -> Floats:
         """Fluxes of solutes (n, m, 3) as their balances have them, with the current's penalty."""
-        j = self.j[q]
-        if not self.mix.neutral and self.mix.penalty:
-            j = j + self.mix.penalty * np.einsum("i,nia->na", sol.z, j)[:, None, :]
-        return j
+        return np.asarray(self.j[q] + np.einsum("i,nia->na", self.mix.current, self.j[q])[:, None, :])
 
     def _supplies(self, q: slice, pts: Points, sol: Solution, phi: Floats) -> tuple[Floats, Floats]:
         """Volume supply of fluid (n,) and molar supplies of solutes (n, m), per current mixture volume."""

@@ -57,6 +57,11 @@ class Mixture:
         return np.array([0.0 if self.neutral else float(s.charge) for s in self.solutes])
 
     @cached_property
+    def current(self) -> Floats:
+        """Weights (m,) of the solutes' fluxes in every solute's balance: the current density's penalty."""
+        return self.penalty * self.z
+
+    @cached_property
     def every_reaction(self) -> tuple[Reaction, ...]:
         """Those inside the mixture, and those with what is on its faces."""
         return (*self.reactions, *self.membrane)

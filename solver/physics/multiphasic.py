@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from ..fields import DISPLACEMENT, PRESSURE, Field, concentration
 from ..kernels.mixture import subtract
+from ..kernels.mixture_tangent import add_pressure
 from ..multiphasic.fields import Fields, Instant
 from ..multiphasic.integrals import at_points, forces, matrices, operators
 from ..multiphasic.material import Mixture
 from ..multiphasic.solution import Solution
-from ..multiphasic.tangent import add_pressure, point_tangent, pressure_slope
-from ..multiphasic.voigt import full
+from ..multiphasic.tangent import point_tangent, pressure_slope
 from ..points import Points
 from ..solids.bound import Bound
 from . import register
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from ..state import State
     from ..tangent import Target, Workspace
 
-_EYE = np.eye(3)
 CACHE = 4 << 20  # bytes of point tangents at a time
 
 
@@ -45,6 +44,7 @@ class MultiphasicWork(StandardWork):
         super().__init__(group, physics)
         self.mix = physics.mixture
         self.at = Fields(self.mix, group.points())
+        self.element = np.repeat(np.arange(group.m), group.g)
         self.started = False
         self.scalars = group.columns[DISPLACEMENT.width :]
         self.steadied = Steadied(group)
@@ -67,7 +67,7 @@ class MultiphasicWork(StandardWork):
         """The points of elements lo:hi, as a slice of all and as a batch."""
         g = self.group
         q = slice(lo * g.g, hi * g.g)
-        pts = Points(g.F.reshape(-1, 3, 3)[q], g.J.reshape(-1)[q], g.Xg[q], np.repeat(np.arange(lo, hi), g.g))
+        pts = Points(g.F.reshape(-1, 3, 3)[q], g.J.reshape(-1)[q], g.Xg[q], self.element[q])
         pts.t, pts.dt = state.time, state.dt
         pts.Q = self._axes(lo, hi)
         pts.extra = {k: v[q] for k, v in g.extra.items()}
@@ -107,15 +107,11 @@ class MultiphasicWork(StandardWork):
             self.faces.see(slice(lo, hi), state, self.at.sides.part(q))
         self.at.update(q, pts, at_points(self._operators(lo, hi), nodal), now)
 
-    def _stress(self, q: slice) -> Floats:
-        """Total stress (n, 3, 3) at the points ``q``."""
-        return full(self.s.reshape(-1, 6)[q]) - self.at.pa[q, None, None] * _EYE
-
     # ---- residual and tangent -----------------------------------------------------------------------
     def residual(self, lo: int, hi: int, state: State, R: Floats, steady: bool) -> None:
         g = self.group
         q, pts = self._at(lo, hi, state)
-        stress = self.at.stress(q, pts, self._stress(q), Instant(state.dt, steady))
+        stress = self.at.stress(q, pts, self.s.reshape(-1, 6)[q], Instant(state.dt, steady))
         f = forces(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], stress)
         subtract(lo, hi, g.conn, g.columns, f, R)
         if not steady:
@@ -129,7 +125,7 @@ class MultiphasicWork(StandardWork):
         now = Instant(state.dt, steady)
         for lo, hi in self._pieces(c):
             q, pts = self._at(lo, hi, state)
-            A = point_tangent(self.at, q, pts, self._stress(q), C[(lo - c.lo) * g.g : (hi - c.lo) * g.g], now)
+            A = point_tangent(self.at, q, pts, self.s.reshape(-1, 6)[q], C[(lo - c.lo) * g.g : (hi - c.lo) * g.g], now)
             K = matrices(self._operators(lo, hi), g.wJ0[lo:hi] * g.J[lo:hi], A)
             if not steady:
                 self.steadied.tangent(lo, hi, K, 3 * g.n, 3 * g.n)

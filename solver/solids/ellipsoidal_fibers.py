@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.fibers import add_fibers, power_tension, squared_stretch
+from ..kernels.fibers import add_power_fibers, squared_stretch
 from ..points import Points
 from .base import Floats, Number, Solid, wanted
 from .mooney_rivlin import MooneyRivlin
@@ -46,11 +46,15 @@ class _Ellipsoidal(Solid):
     vectors: ClassVar[dict[str, int]] = {"beta": 3, "ksi": 3}
     iso = False
     dome = False
+    _uniform: tuple[Floats, Floats, Floats, Floats] | None = field(default=None, init=False, repr=False)
 
     def _family(self, pts: Points) -> tuple[Floats, Floats, Floats, Floats]:
-        """Directions (1|n, m, 3), weights (1, m), and ksi and beta (1|n, m)."""
-        N, w = _dome() if self.dome else _octants()
+        """Directions (1|n, m, 3), weights (m,), and ksi and beta (1|n, m)."""
         Q = self.inner(pts).Q
+        constant = Q is None and all(v.constant for v in (*self.ksi, *self.beta))
+        if constant and self._uniform is not None:
+            return self._uniform
+        N, w = _dome() if self.dome else _octants()
         if self.dome:  # directions are global, the ellipsoid is local
             A, local = N[None], N[None] if Q is None else N[None] @ Q
         else:
@@ -59,17 +63,15 @@ class _Ellipsoidal(Solid):
         def radius(name: str) -> Floats:
             axes = self.vector(name, pts)[:, None, :]
             with np.errstate(divide="ignore"):
-                return ((local / axes) ** 2).sum(2) ** -0.5
+                return np.ascontiguousarray(((local / axes) ** 2).sum(2) ** -0.5)
 
-        return np.ascontiguousarray(A), w[None], radius("ksi"), radius("beta")
+        family = np.ascontiguousarray(A), w, radius("ksi"), radius("beta")
+        if constant:
+            self._uniform = family
+        return family
 
     def fibers(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        A, w, ksi, beta = self._family(pts)
-        In = np.empty((pts.n, A.shape[1]))
-        squared_stretch(pts.F, pts.J, A, self.iso, In)
-        sn, cn = np.empty_like(In), np.empty_like(In)
-        power_tension(In, np.ascontiguousarray(ksi), np.ascontiguousarray(beta), sn, cn)
-        add_fibers(pts.F, pts.J, A, w, In, sn, cn, np.empty((0, 0)), self.iso, s, wanted(c))
+        add_power_fibers(pts.F, pts.J, *self._family(pts), self.iso, s, wanted(c))
 
     def fibers_energy(self, pts: Points) -> Floats:
         A, w, ksi, beta = self._family(pts)

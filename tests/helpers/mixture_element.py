@@ -20,7 +20,6 @@ from febkit.solver.multiphasic.integrals import at_points, forces, matrices, ope
 from febkit.solver.multiphasic.material import Mixture
 from febkit.solver.multiphasic.species import SolidBound, Solute
 from febkit.solver.multiphasic.tangent import point_tangent
-from febkit.solver.multiphasic.voigt import full
 from febkit.solver.points import Points
 from febkit.solver.solids.registry import load
 from febkit.solver.values import Constant
@@ -97,24 +96,20 @@ class Element:
         self.B = operators(0, 1, self.N, self.dN, self.iJ0, self.F, self.J)
         self.fields.update(slice(None), self.pts, at_points(self.B, d[None, :, 3:]), now)
 
-    def _solid(self, tangent: bool) -> tuple[np.ndarray, np.ndarray | None]:
-        s = np.zeros((self.pts.n, 6))
-        C = np.zeros((self.pts.n, 6, 6)) if tangent else None
-        self.law.stress(self.pts, s, C)
-        return full(s) - self.fields.pa[:, None, None] * np.eye(3), C
-
     def force(self, x: np.ndarray, passes: int = 1) -> np.ndarray:
         """Internal forces at x. ``passes`` > 1 lets what lags within an iteration catch up."""
         for _ in range(passes):
             self._set(x, self.now)
-        stress = self.fields.stress(slice(None), self.pts, self._solid(False)[0], self.now)
+        s = np.zeros((self.pts.n, 6))
+        self.law.stress(self.pts, s, None)
+        stress = self.fields.stress(slice(None), self.pts, s, self.now)
         return forces(self.B, self.wJ0 * self.J, stress).ravel()
 
     def tangent(self, x: np.ndarray, passes: int = 1, consistent: bool = False) -> np.ndarray:
         for _ in range(passes):
             self._set(x, self.now)
-        s, C = self._solid(True)
-        assert C is not None
+        s, C = np.zeros((self.pts.n, 6)), np.zeros((self.pts.n, 6, 6))
+        self.law.stress(self.pts, s, C)
         A = point_tangent(self.fields, slice(None), self.pts, s, C, self.now, consistent)
         return matrices(self.B, self.wJ0 * self.J, A)[0]
 

@@ -24,7 +24,7 @@ def permeability(part: Part) -> Floats | None:
 
 def mixture_elasticity(part: Part) -> Floats | None:
     """Spatial elasticity of a mixture at fixed effective pressure and concentrations (m, g, 21)."""
-    from febkit.solver.multiphasic.tangent import add_pressure
+    from febkit.solver.kernels.mixture_tangent import add_pressure
 
     pts = part.points()
     p = part.g.physics.pressure(pts)

@@ -96,7 +96,7 @@ def test_the_tangent_leaves_the_state_alone() -> None:
     e = Element(mix)
     x = e.state()
     force, before = e.force(x), e.fields.snapshot()
-    point_tangent(e.fields, slice(None), e.pts, np.zeros((e.pts.n, 3, 3)), np.zeros((e.pts.n, 6, 6)), e.now)
+    point_tangent(e.fields, slice(None), e.pts, np.zeros((e.pts.n, 6)), np.zeros((e.pts.n, 6, 6)), e.now)
     for name, kept in before.items():
         np.testing.assert_array_equal(getattr(e.fields, name), kept, err_msg=name)
     assert np.abs(e.force(x) - force).max() > 1e-6  # an evaluation does
