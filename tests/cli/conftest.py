@@ -1,17 +1,17 @@
-"""The installed command, and a model that it solves in no time."""
+"""The command, and a model that it solves in no time."""
 
 from __future__ import annotations
 
 import importlib.util
+import multiprocessing
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-FEBKIT = Path(sys.executable).with_name("febkit")
+from helpers import forked
 
 CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 
@@ -46,11 +46,10 @@ def model() -> Callable[..., str]:
 
 @pytest.fixture
 def febkit(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """``febkit("run", "m.feb")``: the installed command, run in ``tmp_path``; never a traceback."""
+    """``febkit("run", "m.feb")``: the command, run in ``tmp_path``; never a traceback."""
 
     def call(*args: Any, **options: Any) -> subprocess.CompletedProcess[str]:
-        done = subprocess.run([FEBKIT, *map(str, args)], cwd=options.pop("cwd", tmp_path), capture_output=True,
-                              text=True, timeout=300, check=False, **options)  # fmt: skip
+        done = forked.febkit(*args, **{"folder": tmp_path, **options})
         assert "Traceback" not in done.stderr, done.stderr
         return done
 
@@ -73,13 +72,14 @@ def nothing_goes_on(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         if job.poll() is None:
             job.kill()
             job.communicate()
+    for child in multiprocessing.active_children():
+        child.kill()
 
 
 @pytest.fixture
-def start(tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
-    """``start("run", "m.feb")``: the installed command as a process that goes on; killed when the test ends."""
-    return lambda *args: subprocess.Popen([FEBKIT, *map(str, args)], cwd=tmp_path, stdout=subprocess.PIPE,
-                                          stderr=subprocess.PIPE, text=True)  # fmt: skip
+def start(tmp_path: Path) -> Callable[..., forked.Job]:
+    """``start("run", "m.feb")``: the command as a process that goes on; killed when the test ends."""
+    return lambda *args: forked.Job(*args, folder=tmp_path)
 
 
 @pytest.fixture(scope="session")

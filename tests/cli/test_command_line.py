@@ -15,16 +15,14 @@ import pytest
 import febkit
 from febkit.cli import febio_options, printing
 from febkit.metrics.tables import Table
+from helpers import command, forked
 from helpers.command import FEBKIT
+
+from .conftest import pulled
 
 ROOT = Path(__file__).parents[2]
 posix = pytest.mark.skipif(os.name == "nt", reason="signals, pipes and names differ on Windows")
 EXAMPLE = ROOT / "examples" / "unconfined_compression.feb"
-
-
-def run(*args: str | bytes, cwd: Path, **options: object) -> subprocess.CompletedProcess[str]:
-    options = {"capture_output": True, "text": True, **options}
-    return subprocess.run([str(FEBKIT), *args], cwd=cwd, timeout=300, check=False, **options)  # type: ignore[call-overload,no-any-return]
 
 
 @pytest.fixture
@@ -40,26 +38,27 @@ def model(tmp_path: Path, plug: str) -> Path:
     ["plug.feb", "-task=solve"], ["-nosplash", "-i", "plug.feb", "-noappend"],
 ])  # fmt: skip
 def test_febios_ways_to_solve_a_model(model: Path, args: list[str]) -> None:
-    done = run(*args, cwd=model.parent)
+    done = forked.febkit(*args, folder=model.parent)
     assert done.returncode == 0 and "solved to t = " in done.stdout, done.stderr
     assert "warning" not in done.stderr and model.with_suffix(".xplt").is_file()
 
 
 def test_options_that_change_nothing_are_said(model: Path) -> None:
     extra = ["-config", "febio.xml", "-g2", "-dump=2", "m.dmp", "-break", "0.5", "-import", "lib.so", "-cnf", "c.xml"]
-    done = run("-i", "plug.feb", *extra, "-dump", "plug.dmp", "-o", "o.log", "-p", "-g.xplt", cwd=model.parent)
+    extra += ["-dump", "plug.dmp", "-o", "o.log", "-p", "-g.xplt"]
+    done = forked.febkit("-i", "plug.feb", *extra, folder=model.parent)
     assert done.returncode == 0, done.stderr
     said = re.findall(r"^warning: (-\w+) is ignored: \w", done.stderr, re.M)
     assert said == ["-config", "-g2", "-dump", "-break", "-import", "-cnf", "-dump"]
     assert (model.parent / "-g.xplt").is_file() and (model.parent / "o.log").is_file()
-    quiet = run("plug.feb", "-g", "-silent", cwd=model.parent)
+    quiet = forked.febkit("plug.feb", "-g", "-silent", folder=model.parent)
     assert (quiet.returncode, quiet.stdout, quiet.stderr) == (0, "", "")
 
 
 @pytest.mark.parametrize("args", [["-r", "m.dmp"], ["-s", "fit.feb"], ["-d", "t.feb"], ["-norun"], ["-info"],
                                   ["-task=optimize", "c.xml"], ["-task"]])  # fmt: skip
 def test_other_tasks_are_refused_in_a_line(model: Path, args: list[str]) -> None:
-    done = run("-i", "plug.feb", *args, cwd=model.parent)
+    done = forked.febkit("-i", "plug.feb", *args, folder=model.parent)
     assert done.returncode == 2 and done.stdout == ""
     assert len(done.stderr.splitlines()) == 1 and args[0] in done.stderr
     assert not model.with_suffix(".xplt").exists()
@@ -74,13 +73,13 @@ def test_the_docs_name_every_option_of_febios() -> None:
 
 
 def test_a_plotfile_for_paraview_is_one(model: Path) -> None:
-    done = run("plug.feb", "-p", "p.pvd", cwd=model.parent)
+    done = forked.febkit("plug.feb", "-p", "p.pvd", folder=model.parent)
     assert done.returncode == 0, done.stderr
     assert (model.parent / "p.pvd").read_text().startswith("<?xml")
     assert febkit.open_results(model.parent / "p.xplt").sizes["time"] == len(list(model.parent.glob("p_*.vtu")))
     for ending in ("vtk", "plt", "nc", "feb", "csv"):
         name = f"q.{ending}"
-        done = run("plug.feb", "-p", name, cwd=model.parent)
+        done = forked.febkit("plug.feb", "-p", name, folder=model.parent)
         assert done.returncode == 2 and name in done.stderr and not (model.parent / name).exists()
 
 
@@ -88,7 +87,8 @@ def test_a_plotfile_for_paraview_is_one(model: Path) -> None:
 def test_run_says_what_validate_says(model: Path) -> None:
     text = model.read_text().replace('mat="cartilage"', 'mat="bone"')
     model.write_text(text.replace("<phi0>", "<phi1>").replace("</phi0>", "</phi1>"))
-    checked, solved = run("validate", "plug.feb", "-q", cwd=model.parent), run("plug.feb", cwd=model.parent)
+    checked = forked.febkit("validate", "plug.feb", "-q", folder=model.parent)
+    solved = forked.febkit("plug.feb", folder=model.parent)
     assert checked.returncode == solved.returncode == 2
     lines = checked.stdout.splitlines()
     assert lines and all(line.partition(": error: ")[2] in solved.stderr for line in lines), solved.stderr
@@ -145,7 +145,8 @@ def test_a_reader_that_leaves_changes_no_exit_code(model: Path) -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 def test_output_on_a_full_disk_is_said(model: Path) -> None:
     with open("/dev/full", "w") as full:
-        done = run("info", "plug.feb", cwd=model.parent, capture_output=False, stdout=full, stderr=subprocess.PIPE)
+        done = subprocess.run([FEBKIT, "info", "plug.feb"], cwd=model.parent, stdout=full, stderr=subprocess.PIPE,
+                              text=True, check=False)  # fmt: skip
     assert done.returncode == 2 and done.stderr.splitlines() == ["febkit: standard output: No space left on device"]
 
 
@@ -157,35 +158,47 @@ def test_closed_streams(model: Path) -> None:
 
 
 # ---- names and places -----------------------------------------------------------------------------------
-@posix
-@pytest.mark.parametrize("name", [b"[/m].feb", b"[red]m.feb", b"b\xff.feb", "µm und Größe.feb".encode(), b"a\nb.feb",
-                                  b"\x1b[31mred.feb", b"-g.feb"])  # fmt: skip
-def test_names_that_are_markup_or_no_text(tmp_path: Path, plug: str, name: bytes) -> None:
-    path = os.fsencode(tmp_path) + b"/" + name
-    os.makedirs(os.path.dirname(path), exist_ok=True)
+NAMES = [b"[/m].feb", b"[red]m.feb", b"b\xff.feb", "µm und Größe.feb".encode(), b"a\nb.feb", b"\x1b[31mred.feb",
+         b"-g.feb"]  # fmt: skip
+PLAIN = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+
+
+def named(folder: Path, name: bytes) -> Path:
+    path = folder / os.fsdecode(name)
+    path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        with open(path, "wb") as f:
-            f.write(plug.encode())
+        path.write_text(pulled(steps=1))
     except OSError:
         pytest.skip("the file system takes no such name")
-    env = {**os.environ, "LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
-    for environment in (dict(os.environ), env):
-        done = subprocess.run([str(FEBKIT), "run", b"-i", name], cwd=tmp_path, capture_output=True, env=environment,
-                              check=False, timeout=120)  # fmt: skip
+    return path
+
+
+@posix
+@pytest.mark.parametrize("name", NAMES)
+def test_names_that_are_markup_or_no_text(tmp_path: Path, name: bytes) -> None:
+    named(tmp_path, name)
+    for start, env in ((forked.febkit, {}), (command.febkit, PLAIN)):
+        done = start("run", "-i", os.fsdecode(name), folder=tmp_path, env=env)
         assert done.returncode == 0, done.stderr
-        assert b"wrote " in done.stdout and b"\x1b" not in done.stdout + done.stderr
-        checked = subprocess.run([str(FEBKIT), "validate", "--", name], cwd=tmp_path, capture_output=True,
-                                 env=environment, check=False, timeout=120)  # fmt: skip
-        assert checked.returncode == 0 and b"\x1b" not in checked.stdout
+        assert "wrote " in done.stdout and "\x1b" not in done.stdout + done.stderr
     shown = os.fsdecode(name).encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
     if "\n" not in shown and "\x1b" not in shown and shown.isascii():
-        assert shown.removesuffix(".feb").encode() + b".xplt" in done.stdout, "names are not cut and not eaten"
+        assert shown.removesuffix(".feb") + ".xplt" in done.stdout, "names are not cut and not eaten"
+
+
+@posix
+@pytest.mark.parametrize("env", [{}, PLAIN], ids=["UTF-8", "C"])
+def test_such_names_are_validated(tmp_path: Path, env: dict[str, str]) -> None:
+    names = [str(named(tmp_path, n).relative_to(tmp_path)) for n in NAMES]
+    done = command.febkit("validate", "--", *names, folder=tmp_path, env=env)
+    assert done.returncode == 0 and done.stdout.count("febkit can solve it") == len(names)
+    assert "\x1b" not in done.stdout
 
 
 @posix
 def test_without_a_home(model: Path) -> None:
     env = {k: v for k, v in os.environ.items() if k not in ("HOME", "USER", "LOGNAME")}
-    done = run("plug.feb", cwd=model.parent, env=env)
+    done = subprocess.run([FEBKIT, "plug.feb"], cwd=model.parent, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "solved" in done.stdout, done.stderr
 
 

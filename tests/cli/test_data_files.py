@@ -39,7 +39,7 @@ def test_refused_with_the_line_before_solving(tmp_path: Path, febkit, model, nam
     (run / "hard.feb").hardlink_to(run / "m.feb")
     (run / "thesis.txt").write_text("Chapter 1\n")
     before = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
-    done = febkit("run", "m.feb", cwd=run)
+    done = febkit("run", "m.feb", folder=run)
     assert done.returncode == 2
     assert word in done.stderr and f"m.feb:{line(text, '<node_data')}" in done.stderr, done.stderr
     assert before == {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}, "nothing is written"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import resource
 import signal
 import time
 
@@ -14,6 +13,7 @@ import febkit as package
 from febkit.results.xplt.reader import PlotFile
 from helpers.killed import kill_at_random, states
 
+LIMITED = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0}))"  # bytes of a file
 HIDDEN = ".febkit.m.xplt"
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits differ on Windows")
 
@@ -105,18 +105,15 @@ def test_killed_at_random_moments(tmp_path, model) -> None:
 def test_a_full_disk(tmp_path, febkit, model) -> None:
     """The message names the file, complete states stay, an earlier result stays where there is no new one."""
 
-    def small(size: int):
-        return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
     (tmp_path / "m.feb").write_text(model(steps=200))
     assert febkit("run", "m.feb", "-silent").returncode == 0  # compiles what there is to compile
     size = (tmp_path / "m.xplt").stat().st_size
     before = (tmp_path / "m.xplt").read_bytes()
-    done = febkit("run", "m.feb", "-o", os.devnull, preexec_fn=small(1000))
+    done = febkit("run", "m.feb", "-o", os.devnull, before=LIMITED.format(1000))
     assert done.returncode not in (0, 1) and "m.xplt" in done.stderr and "too large" in done.stderr
     assert (tmp_path / "m.xplt").read_bytes() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["m.feb", "m.log", "m.xplt"]
-    done = febkit("run", "m.feb", "-o", os.devnull, preexec_fn=small(size // 2))
+    done = febkit("run", "m.feb", "-o", os.devnull, before=LIMITED.format(size // 2))
     assert done.returncode not in (0, 1) and "m.xplt" in done.stderr
     with PlotFile(tmp_path / "m.xplt") as f:
         assert f.container.leftover == 0, "no partial state"
@@ -126,8 +123,7 @@ def test_a_full_disk(tmp_path, febkit, model) -> None:
 def test_a_full_disk_for_the_log(tmp_path, febkit, model) -> None:
     (tmp_path / "m.feb").write_text(model(steps=200))
     assert febkit("run", "m.feb", "-silent").returncode == 0
-    done = febkit("run", "m.feb", "-p", os.devnull,
-                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))  # fmt: skip
+    done = febkit("run", "m.feb", "-p", os.devnull, before=LIMITED.format(20000))
     assert done.returncode not in (0, 1) and "m.log" in done.stderr
 
 

@@ -14,21 +14,20 @@ import pytest
 
 import febkit
 from febkit.results.xplt.reader import PlotFile
-from helpers import outputs
-from helpers.command import FEBKIT
+from helpers import command, forked, outputs
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals, limits and permissions differ on Windows")
 
-# put in front of every Python of a test: stops it where a file is opened, or put in place, until it is told to go on
+# stops a verb where a file is opened, or put in place, until it is told to go on
 PAUSE = """
 import os, sys, time
-_event, _name, _flag = os.environ["PAUSE_AT"].split(":")
-def _pause(event, args):
-    if event == _event and any(os.path.basename(str(a)) == _name for a in args[:2]) and not os.path.exists(_flag):
-        open(_flag, "w").close()
-        while os.path.exists(_flag):
+flag = {flag!r}
+def pause(event, args):
+    if event == {event!r} and {name!r} in [os.path.basename(str(a)) for a in args[:2]] and not os.path.exists(flag):
+        open(flag, "w").close()
+        while os.path.exists(flag):
             time.sleep(0.01)
-sys.addaudithook(_pause)
+sys.addaudithook(pause)
 """
 
 STUDY = """
@@ -68,8 +67,8 @@ def kit(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("junk.feb", "junk.xplt", "junk.nc", "junk.csv", "bad.toml"):
         (folder / name).write_bytes(b"\x01junk, of no kind = at all\n")
     (folder / "s.toml").write_text(STUDY)
-    done = subprocess.run([FEBKIT, "study", "run", "s.toml", "--scheduler", "serial", "-q"], cwd=folder, check=False,
-                          capture_output=True, text=True, env={**os.environ, "FEBKIT_THREADS": "1"})  # fmt: skip
+    done = forked.febkit("study", "run", "s.toml", "--scheduler", "serial", "-q", folder=folder,
+                         env={"FEBKIT_THREADS": "1"})  # fmt: skip
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -87,11 +86,10 @@ class Scene:
 
     def args(self, which: str, *more: str) -> list[str]:
         words = getattr(self.verb, which).split()
-        return [str(FEBKIT), self.name, *(self.verb.out if w == "OUT" else w for w in words), *more]
+        return [self.name, *(self.verb.out if w == "OUT" else w for w in words), *more]
 
-    def __call__(self, which: str, *more: str, **options) -> subprocess.CompletedProcess[str]:
-        done = subprocess.run(self.args(which, *more), cwd=self.folder, capture_output=True, text=True, check=False,
-                              timeout=120, **options)  # fmt: skip
+    def __call__(self, which: str, *more: str, start=forked.febkit, **options) -> subprocess.CompletedProcess[str]:
+        done = start(*self.args(which, *more), folder=self.folder, **options)
         assert "Traceback" not in done.stderr, done.stderr
         return done
 
@@ -134,17 +132,13 @@ class Scene:
         with PlotFile(self.out) as f:
             return f.container.leftover == 0 and len(f.states) == 201
 
-    def paused(self, *more: str) -> subprocess.Popen[str]:
+    def paused(self, *more: str) -> forked.Job:
         """The verb, stopped before its output is put in place (or its input is opened)."""
-        hook = self.folder.parent / "hook"
-        hook.mkdir(exist_ok=True)
-        (hook / "sitecustomize.py").write_text(PAUSE)
         put = "os.link" if self.verb.kind == "makes" and not more else "os.rename"  # a link is never put over a file
-        event = f"{put}:{self.out.name}" if self.out else f"open:{self.verb.reads}"
+        event, name = (put, self.out.name) if self.out else ("open", self.verb.reads)
         flag = self.folder / "pause"
-        job = subprocess.Popen(self.args("good", *more), cwd=self.folder, stdout=subprocess.PIPE, text=True,
-                               stderr=subprocess.PIPE,
-                               env={**os.environ, "PYTHONPATH": str(hook), "PAUSE_AT": f"{event}:{flag}"})  # fmt: skip
+        pause = PAUSE.format(event=event, name=name, flag=str(flag))
+        job = forked.Job(*self.args("good", *more), folder=self.folder, before=pause)
         until = time.monotonic() + 60
         while not flag.exists():
             assert job.poll() is None and time.monotonic() < until, job.communicate()
@@ -162,7 +156,7 @@ def hidden(folder: Path) -> list[str]:
 
 
 def good_input(s: Scene) -> None:
-    done = s("good")
+    done = s("good", start=command.febkit)
     assert done.returncode == 0, done.stderr
     if s.out is None:
         assert s.changed() == set()
@@ -227,7 +221,7 @@ def read_only_folder(s: Scene) -> None:
         probe = subprocess.run(["touch", "x"], cwd=s.folder, preexec_fn=obedient, check=False, capture_output=True)
         if probe.returncode == 0:
             pytest.skip("this user may write anywhere")
-        done = s("good", preexec_fn=obedient)
+        done = s("good", start=command.febkit, preexec_fn=obedient)
     finally:
         for p in folders:
             p.chmod(0o755)
@@ -237,18 +231,16 @@ def read_only_folder(s: Scene) -> None:
 
 
 def full_disk(s: Scene) -> None:
-    import resource
-
-    def small(size: int) -> Callable[[], None]:
-        return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    def small(size: int) -> str:
+        return f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
 
     before = s.earlier()
-    done = s("good", *s.force(), preexec_fn=small(400))
+    done = s("good", *s.force(), before=small(400))
     assert done.returncode == 2, (done.returncode, done.stderr)
     assert (Path(s.verb.out).name in done.stderr) or (s.name == "run" and "m.log" in done.stderr)
     assert s.out.read_bytes() == before and not hidden(s.folder)
     if s.name == "run":
-        done = s("good", preexec_fn=small(len(before) // 2))
+        done = s("good", before=small(len(before) // 2))
         assert done.returncode == 2
         with PlotFile(s.out) as f:
             assert f.container.leftover == 0 and len(f.states) < 201
@@ -325,5 +317,5 @@ def test_every_verb_is_in_the_table() -> None:
 def test_view_names_what_it_cannot_read(content: bytes | None, tmp_path: Path) -> None:
     if content is not None:
         (tmp_path / "junk.xplt").write_bytes(content)
-    done = subprocess.run([FEBKIT, "view", "--no-browser", "junk.xplt"], cwd=tmp_path, capture_output=True, text=True)
+    done = forked.febkit("view", "--no-browser", "junk.xplt", folder=tmp_path)
     assert done.returncode == 2 and "junk.xplt" in done.stderr

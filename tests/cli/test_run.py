@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import febkit
+from helpers import forked
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -28,8 +29,7 @@ def _text(end: float = 20.0, n: int = 2, layers: int = 2) -> str:
 
 
 def run(*args: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "febkit.cli.main", "run", *args], cwd=folder, capture_output=True,
-                          text=True, timeout=300, check=False)  # fmt: skip
+    return forked.febkit("run", *args, folder=folder)
 
 
 @pytest.fixture

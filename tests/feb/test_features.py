@@ -12,7 +12,7 @@ from febkit.feb import check_features, features, modules
 from febkit.feb.difference import diff
 from febkit.feb.read import read_bytes
 from febkit.feb.writer import to_bytes
-from helpers.command import febkit
+from helpers.forked import febkit
 
 MADE = [k for k in census.everything() if k not in census.TABLES]
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +11,7 @@ import pytest
 from febkit.feb import read
 from febkit.lower import lower
 from febkit.model import InputError, Model
-from helpers import cube
+from helpers import cube, forked
 
 SOLID = '<material id="1" name="m" type="neo-Hookean"><E>{E}</E><v>0.3</v>{more}</material>'
 FIBER = """<material id="1" name="m" type="coupled trans-iso Mooney-Rivlin"><c1>1</c1><c2>0</c2><c3>1</c3><c4>1</c4>
@@ -138,8 +136,7 @@ def test_a_bad_value_is_refused_at_its_line(tmp_path: Path, name: str) -> None:
 def test_the_command_says_it_in_one_line(tmp_path: Path, verb: str, name: str) -> None:
     content, message = BAD[name]
     (tmp_path / "cube.feb").write_text(content)
-    febkit = Path(sys.executable).with_name("febkit")
-    done = subprocess.run([febkit, verb, "cube.feb"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = forked.febkit(verb, "cube.feb", folder=tmp_path)
     said = done.stdout + done.stderr
     assert done.returncode == 2
     assert "Traceback" not in said

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from helpers.command import febkit
+from helpers.forked import febkit
 from helpers.mixture_deck import (
     FC,
     HELD,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from febkit.results import write
-from helpers.command import febkit
+from helpers.forked import febkit
 
 from .test_figures import tensor_block
 

@@ -21,6 +21,7 @@ from febkit.model import InputError
 from febkit.results.xplt import container
 from febkit.results.xplt.inflate import Inflated
 from febkit.results.xplt.reader import PlotFile
+from helpers import forked
 
 FEBKIT = Path(sys.executable).parent / "febkit"
 STATE = 0x02000000
@@ -33,8 +34,8 @@ print(done.stdout + done.stderr)
 
 
 def febkit(*args: object) -> tuple[int, str]:
-    """Exit code, and all that the installed command says."""
-    done = subprocess.run([FEBKIT, *map(str, args)], capture_output=True, text=True, timeout=60)
+    """Exit code, and all that the command says."""
+    done = forked.febkit(*args, folder=Path.cwd())
     return done.returncode, done.stdout + done.stderr
 
 

@@ -15,6 +15,7 @@ from febkit import results
 from febkit.cli import diff as diff_cli
 from febkit.cli import info as info_cli
 from febkit.results.difference import difference
+from helpers import forked
 
 
 @pytest.fixture
@@ -94,8 +95,7 @@ def test_nan_in_one_file_differs(pair: tuple[Path, Path]) -> None:
 
 
 def test_unknown_variable_and_unlike_files(pair: tuple[Path, Path], tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", "febkit.cli.main", "diff", *map(str, pair), "-v", "porosity"],
-                          capture_output=True, text=True, check=False)
+    done = forked.febkit("diff", *pair, "-v", "porosity", folder=tmp_path)
     assert done.returncode == 2
     assert "neither file has a variable 'porosity'" in done.stderr
     assert run(diff_cli.command, pair[0], Path(__file__))[0] == 2
