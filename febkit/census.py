@@ -67,7 +67,10 @@ SECTIONS = {
     "data generator": ('<Loads><body_load type="const"><x type="map">v</x></body_load></Loads>'
                        '<MeshData><ElementData name="v" elem_set="p" type="{}"/></MeshData>',
                        '<Loads><surface_load type="pressure" surface="s"><pressure type="map">v</pressure>'
-                       '</surface_load></Loads><MeshData><SurfaceData name="v" surface="s" type="{}"/></MeshData>'),
+                       '</surface_load></Loads><MeshData><SurfaceData name="v" surface="s" type="{}"/></MeshData>',
+                       '<Boundary><bc type="prescribed displacement" node_set="n"><dof>x</dof><value type="map">v'
+                       '</value></bc></Boundary><MeshData><NodeData name="v" node_set="n" type="{}"><math>X</math>'
+                       '</NodeData></MeshData>'),
     "function": ('<Discrete><discrete_material id="1" name="k" type="nonlinear spring"><force type="{}"/>'
                  '</discrete_material><discrete dmat="1" discrete_set="d"/></Discrete>',),
     "value": ('<Loads><surface_load type="pressure" surface="s"><pressure type="{}"/></surface_load></Loads>',),
@@ -80,11 +83,18 @@ MATERIALS = {
         "</material>", '<membrane_reaction type="membrane-mass-action-forward"><forward_rate type="{}"/>'
         "</membrane_reaction></material>"),
 }  # fmt: skip
+FIBERS = '<material id="1" name="m" type="fiber-NH"><mu>1</mu><fiber type="map">v</fiber></material>'
+ALONG = ('<MeshData><ElementData name="v" elem_set="p" type="{}"><surface1>s</surface1><surface2>t</surface2>'
+         '</ElementData></MeshData>')  # fmt: skip
+REMODELED = ('<material id="1" name="m" type="remodeling solid"><solid type="{}"/><supply type="Huiskes-supply">'
+             '<B>1</B><k>1</k></supply></material>')
+FACET = '<Loads><surface_load type="pressure" surface="f"/></Loads>'
 # within <Control>
 CONTROL = {
-    "solver": '<solver type="{}"/>', "control tag": "<{0}>1</{0}>",
-    "solver tag": "<solver><{0}>0</{0}></solver>", "quasi-Newton method": '<solver><qn_method type="{}"/></solver>',
-    "linear solver": '<solver><linear_solver type="{}"/></solver>',
+    "solver": ('<solver type="{}"/>',), "control tag": ("<{0}>1</{0}>",),
+    "solver tag": ("<solver><{0}>0</{0}></solver>", '<solver type="explicit-solid"><{0}>1</{0}></solver>'),
+    "quasi-Newton method": ('<solver><qn_method type="{}"/></solver>',),
+    "linear solver": ('<solver><linear_solver type="{}"/></solver>',),
 }  # fmt: skip
 
 
@@ -125,11 +135,13 @@ def _models(kind: str, name: str) -> Iterator[str]:
     said = escape(name, {'"': "&quot;"})
     if kind in SECTIONS:
         yield from (MODEL.format(**fields | {"sections": s.format(said)}) for s in SECTIONS[kind])
+        if kind == "data generator":
+            yield MODEL.format(**fields | {"material": FIBERS, "sections": ALONG.format(said)})
     elif kind in MATERIALS:
         of = next((m for m, known in USUAL.items() if f'type="{m}"' in MATERIALS[kind] and known), "solid")
         yield MODEL.format(**fields | {"module": of, "material": MATERIALS[kind].format(said)})
     elif kind in CONTROL:
-        yield MODEL.format(**fields | {"control": CONTROL[kind].format(said)})
+        yield from (MODEL.format(**fields | {"control": s.format(said)}) for s in CONTROL[kind])
     elif kind == "material":
         material = f'<material id="1" name="m" type="{said}"/>'
         beam = any(w in name for w in ("beam", "truss", "spring"))
@@ -137,7 +149,10 @@ def _models(kind: str, name: str) -> Iterator[str]:
         own = ' type="linear-beam"' if name == "linear-beam" else ""
         yield MODEL.format(**fields | {"material": material, "element": element, "nodes": nodes, "domain": own,
                                        "kind": "Beam" if beam else "Solid"})  # fmt: skip
+        yield MODEL.format(**fields | {"material": REMODELED.format(said)})
     elif kind == "domain":
+        if name.startswith("rigid"):
+            fields["material"] = '<material id="1" name="m" type="rigid body"/>'
         for which, (element, nodes) in (("Solid", SOLID), ("Shell", SHELL), ("Beam", BEAM)):
             more = "<shell_thickness>1</shell_thickness>" if which == "Shell" else ""
             text = MODEL.format(**fields | {"kind": which, "element": element, "nodes": nodes,
@@ -150,6 +165,9 @@ def _models(kind: str, name: str) -> Iterator[str]:
             fields["material"] = '<material id="1" name="m" type="linear truss"/>'
         nodes = ",".join(map(str, range(1, e.nodes + 1)))
         yield MODEL.format(**fields | {"kind": which, "element": name, "nodes": nodes})
+        if e.dim == 2:
+            text = MODEL.format(**fields | {"sections": FACET})
+            yield text.replace("</Mesh>", f'<Surface name="f"><{name} id="1">{nodes}</{name}></Surface></Mesh>')
 
 
 def _accepted(text: str) -> bool:
@@ -184,6 +202,12 @@ def _plots() -> Collection[str]:
     return [n for n in registered()["plot variable"] if plot.find(n) is not None]
 
 
+def _logs() -> Collection[str]:
+    from febkit.output.records.known import known
+
+    return [n for n in registered()["log item"] if known(n)]
+
+
 # kinds whose types stand in a table of the solver's own
 TABLES: dict[str, Callable[[], Collection[str]]] = {
     "permeability": _laws("permeabilities"), "solvent supply": _laws("supplies"), "diffusivity": _laws("diffusivities"),
@@ -196,6 +220,7 @@ TABLES: dict[str, Callable[[], Collection[str]]] = {
     "plastic flow curve": _within("flow_curve"), "prestrain gradient": _within("prestrain"),
     "solid supply": _within("solid_supply"),
     "plot variable": _plots,
+    "log item": _logs,
     "optimisation method": tuple,  # files of febio_optimize are not read
     "axes": lambda: import_module("febkit.lower.axes").MAT_AXIS,
     "direction": lambda: import_module("febkit.lower.axes").DIRECTION,

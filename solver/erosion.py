@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .group import Group
     from .state import State
     from .system import System
+    from .values import Value
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,6 +64,22 @@ def damage(group: Group, state: State) -> Floats | None:
     if not laws:
         return None
     return np.broadcast_to(laws[0].broken(group.points()), (group.m * group.g,)).reshape(group.m, group.g)
+
+
+def variable(column: int) -> Measure:
+    """An unknown, interpolated."""
+    return lambda group, state: np.einsum("ga,ea->eg", group.N, state.d[group.conn, column])
+
+
+def given(value: Value) -> Measure:
+    """A number in space and time."""
+
+    def measure(group: Group, state: State) -> Floats:
+        pts = group.points()
+        v = value(state.time, pts.X, pts.e)
+        return np.broadcast_to(v, (group.m * group.g,)).reshape(group.m, group.g)
+
+    return measure
 
 
 MEASURES: dict[str, Measure] = {

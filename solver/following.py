@@ -81,6 +81,20 @@ class ActualPressure(Following):
 
 
 @dataclass(eq=False)
+class ElementPressure(Following):
+    """As :class:`ActualPressure`, all that is osmotic being a mean over the element. FEBio's load "fluid pressure".
+
+    FEBio 4.11 takes the whole parts of R and T there; ``share`` is their product over R T.
+    """
+
+    share: float = field(default=1.0, kw_only=True)
+
+    def at_corners(self, state: State, patch: Patch, rows: Ints, group: Group, elements: Ints) -> Floats:
+        p, osmotic = _means(self.value, state, patch, rows), group.physics.osmotic(elements)
+        return p if osmotic is None else np.asarray(p - self.share * osmotic[:, None])
+
+
+@dataclass(eq=False)
 class MatchingOsmotic(Following):
     """Effective pressure p~ = p - R T Phi o of a bath of pressure p and osmolarity o, Phi that of the tissue.
 

@@ -80,7 +80,7 @@ class Newton:
     @property
     def full(self) -> bool:
         """Is the tangent renewed in every iteration?"""
-        return self.options.updates == 0 or self.options.method not in ("BFGS", "Broyden")
+        return self.options.updates == 0 or self.options.method == "full Newton"
 
     # ---- pieces -----------------------------------------------------------------------------------
     def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:

@@ -88,7 +88,7 @@ class Attached:
 class NewtonOptions:
     """Nonlinear solve (FEBio user manual, Control section; FEBio's names in brackets).
 
-    method: "BFGS", "Broyden" or "full Newton" [qn_method]; updates: quasi-Newton updates between
+    method: "BFGS", "Broyden", "modified Newton" or "full Newton" [qn_method]; updates: quasi-Newton updates between
     reformations [max_ups]; dtol, ptol, ctol, etol, rtol: relative tolerances of displacement, fluid pressure,
     concentrations, energy and residual norm (0: not tested); tolerances: those of other fields, by the names of
     their options (:class:`.fields.Field`).

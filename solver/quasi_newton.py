@@ -50,6 +50,14 @@ class FullNewton:
         return False
 
 
+class ModifiedNewton(FullNewton):
+    """No updates: the tangent of the step's start serves until it leads astray."""
+
+    def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
+        self.count += 1
+        return True
+
+
 class _Buffered:
     def __init__(self, back: Back, options: NewtonOptions) -> None:
         self.back, self.most, self.cycle, self.cmax = back, options.updates, options.cycle, options.cmax
@@ -210,5 +218,5 @@ class Anderson:
 
 
 METHODS: dict[str, Callable[[Back, NewtonOptions], Update]] = {
-    "BFGS": BFGS, "Broyden": Broyden, "full Newton": FullNewton,
+    "BFGS": BFGS, "Broyden": Broyden, "full Newton": FullNewton, "modified Newton": ModifiedNewton,
 }  # fmt: skip

@@ -6,6 +6,8 @@ import click
 
 from . import printing
 
+OTHERS = "reads, converts and writes"
+
 
 @click.command("features", context_settings={"max_content_width": 110})
 @click.argument("kinds", nargs=-1)
@@ -23,12 +25,13 @@ def command(kinds: tuple[str, ...], missing: bool, style: str) -> None:
     """
     from febkit.census import census, everything
     from febkit.metrics.tables import Table
+    from febkit.model.reasons import reason
 
     chosen = tuple(_kind(k, tuple(everything())) for k in kinds)
     entries = [e for e in census(chosen) if not (missing and e.solved)]
     if kinds or missing:
-        rows = [(e.kind, e.name, "solves" if e.solved else "reads, converts and writes") for e in entries]
-        printing.table(Table("", ("kind", "type", "febkit"), rows), style)
+        rows = [(e.kind, e.name, *(("solves", "") if e.solved else (OTHERS, reason(e.name)))) for e in entries]
+        printing.table(Table("", ("kind", "type", "febkit", "why not"), rows), style)
         return
     solved = [e.kind for e in entries if e.solved]
     counts = [(k, len(names), solved.count(k)) for k, names in everything().items()]

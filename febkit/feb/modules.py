@@ -67,7 +67,7 @@ value: const; image map; map; math
 FLUIDS = r"""
 material: biphasic-FSI; fluid; fluid-FSI; fluid-solutes; multiphasic-FSI; polar fluid; solutes;
   thermo-fluid
-bc: fluid RC; fluid RCR; fluid resistance; fluid rotational velocity; natural temperature; prescribed
+bc: fluid RC; fluid RCR; fluid pressure; fluid resistance; fluid rotational velocity; natural temperature; prescribed
   fluid angular velocity; prescribed fluid dilatation; prescribed fluid temperature; prescribed fluid
   velocity; zero fluid angular velocity; zero fluid dilatation; zero fluid temperature; zero fluid
   velocity
@@ -75,7 +75,7 @@ surface_load: biphasic-FSI traction; fluid RC; fluid RCR; fluid backflow stabili
   fluid mixture viscous traction; fluid natural heat flux; fluid normal traction; fluid normal velocity;
   fluid resistance; fluid tangential damping; fluid tangential stabilization; fluid velocity; fluid
   viscous traction; fluid-FSI traction; multiphasic-FSI traction; solute backflow stabilization; solute
-  convective flow; temperature backflow stabilization
+  convective flow; solute flux; temperature backflow stabilization
 body_load: constant fluid heat supply; fluid body force; fluid centrifugal force; fluid moving frame;
   polar fluid body moment
 ic: initial fluid angular velocity; initial fluid dilatation; initial fluid pressure and temperature;
@@ -107,12 +107,12 @@ log: fJ; fax; fay; faz; fd; fdxx; fdxy; fdxz; fdyy; fdyz; fdzz; fmxs; fp; fs1; f
 """
 # the module of what solids alone do not have
 MODULES = r"""
-biphasic: biphasic; fluid pressure; fluidflux; initial fluid pressure; initial shell fluid pressure; nodal
+biphasic: biphasic; fluidflux; initial fluid pressure; initial shell fluid pressure; nodal
   fluidflux; prescribed fluid pressure; prescribed shell fluid pressure; pressure_stabilization;
   sliding-biphasic; sliding-biphasic-mixed; sliding2; tied-biphasic; zero fluid pressure
-multiphasic: actual fluid pressure; biphasic-solute; initial concentration; initial shell concentration;
+multiphasic: actual fluid pressure; biphasic-solute; fluid pressure; initial concentration; initial shell concentration;
   matching_osm_coef; multiphasic; multiphasic-multigeneration; prescribed concentration; sbm point source;
-  sliding-biphasic-solute; sliding-multiphasic; solute; solute flux; solute natural flux; solute point
+  sliding-biphasic-solute; sliding-multiphasic; solute; solute natural flux; solute point
   source; soluteflux; spherical fiber distribution sbm; tied-multiphasic; triphasic; zero concentration
 """
 # kinds as they are listed: of the table, and what they are called
@@ -120,7 +120,7 @@ KINDS = {
     "material": "material", "discrete_material": "discrete material", "domain": "domain", "bc": "boundary condition",
     "ic": "initial condition", "load": "load", "contact": "contact", "constraint": "constraint",
     "load_controller": "load controller", "map": "data generator", "mesh_adaptor": "mesh adaptor", "solver": "solver",
-    "plot": "plot variable",
+    "plot": "plot variable", "log": "log item",
 }  # fmt: skip
 
 

@@ -29,6 +29,9 @@ CONSTRAINTS = {  # type -> module here that reads it
     "node distance": "held",
     "prestrain": "prestrain",
     "in-situ stretch": "prestrain",
+    "azimuth constraint": "points",
+    "node-on-node": "points",
+    "point": "points",
     "tied-line": "lines",
     "slide-line": "lines",
 }
@@ -83,6 +86,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
 
         common.loads += membranes.fluxes(ctx, blocks, domains)
     steps = [_step(ctx, s) for s in model.steps]
+    common.loads[:0] = ctx.feedback
     rigid.check(ctx, [(common, s) for s in steps])
     if ctx.bonded:
         from . import bonds
@@ -208,9 +212,10 @@ def _step(ctx: Context, spec: ModelStep) -> Step:
 
 
 def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
-    out.conditions = conditions.conditions(ctx, spec.boundary)
+    given = [c for c in spec.loads if c.type in conditions.AS_LOADS]  # version 3.0 has these conditions among loads
+    out.conditions = conditions.conditions(ctx, (*spec.boundary, *given))
     out.initial = conditions.initial(ctx, spec.initial)
-    out.loads, out.body_loads = loads.loads(ctx, spec.loads)
+    out.loads, out.body_loads = loads.loads(ctx, tuple(c for c in spec.loads if c not in given))
     rigid.fill(ctx, out, spec)
     for c in spec.rigid:
         if c.tag == "rigid_connector":

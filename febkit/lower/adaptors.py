@@ -16,7 +16,8 @@ from .context import Context
 SURFACES = {k: k for k in ("no", "yes", "grow", "reconstruct")}
 SURFACES |= {str(i): k for i, k in enumerate(("no", "yes", "grow", "reconstruct"))}
 METRICS = ("von Mises stress", "largest deviatoric stress")  # by <metric>
-MEASURES = ("stress", "damage", "relative volume")
+TAGS = {"stress": {"metric"}, "max_variable": {"dof"}, "math": {"math"}}
+MEASURES = ("stress", "damage", "relative volume", "max_variable", "math")
 
 
 def erosion(ctx: Context, c: Component) -> records.Erosion:
@@ -69,8 +70,13 @@ def _measure(ctx: Context, c: Component) -> Callable[..., records.Floats | None]
     if c.type not in MEASURES:
         ctx.refuse(f'<{c.tag} type="{c.type}"> of <mesh_adaptor>', c.where)
         return records.relative_volume
-    ctx.check_tags(c, {"metric"} if c.type == "stress" else set())
+    ctx.check_tags(c, TAGS.get(c.type, set()))
     name = c.type
+    if name == "max_variable":
+        dof = c.need("dof")
+        return records.variable(ctx.column(dof.text.strip(), dof))
+    if name == "math":
+        return records.given(ctx.value(c.need("math")))
     if name == "stress":
         name = METRICS[c.choice("metric", {"0": 0, "1": 1}, 0)]
     return records.MEASURES[name]

@@ -9,6 +9,7 @@ import numpy as np
 from febkit.model import Component, InputError, species
 from febkit.model.sets import node_indices, surface
 from febkit.solver.problem import Fixed, Initial, Prescribed
+from febkit.solver.values import Map
 
 from . import deformations
 from .context import FACETS, Context
@@ -153,11 +154,15 @@ def _following(ctx: Context, c: Component) -> tuple[np.ndarray, tuple[tuple[Patc
 
 def _actual_pressure(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     ctx.check_tags(c, {"pressure", "shell_bottom"})
-    from febkit.solver.following import ActualPressure
+    from febkit.solver.following import ActualPressure, ElementPressure
 
     value = ctx.value(c.child("pressure"), 0.0, FACETS + c.attrs.get("surface", ""))
     nodes, facets = _following(ctx, c)
-    return [ActualPressure(ctx.column("p", c), nodes, value, surface=facets)]
+    if c.type == "actual fluid pressure":
+        return [ActualPressure(ctx.column("p", c), nodes, value, surface=facets)]
+    R, T = (ctx.model.constants.get(k, 0.0) for k in "RT")
+    share = int(R) * int(T) / (R * T) if R * T else 0.0
+    return [ElementPressure(ctx.column("p", c), nodes, value, surface=facets, share=share)]
 
 
 def _matching_osmotic(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
@@ -171,6 +176,7 @@ def _matching_osmotic(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
 
 READERS = {
     "actual fluid pressure": _actual_pressure,
+    "fluid pressure": _actual_pressure,
     "matching_osm_coef": _matching_osmotic,
     "zero displacement": _zero_displacement,
     "prescribed displacement": _prescribed_displacement,
@@ -188,6 +194,7 @@ READERS = {
     "zero concentration": _zero_concentration,
     "prescribed concentration": _prescribed_concentration,
 }
+AS_LOADS = ("matching_osm_coef", "fluid pressure")  # conditions that are loads in version 3.0
 OLD = {"fix": _fix, "prescribe": _prescribe}  # of which version 4.0 has no other
 
 
@@ -200,6 +207,12 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
             v = ctx.vector(c.need("value"))
             nodes, rate = _nodes(ctx, c), kind == "velocity"
             out += [Initial(ctx.column(axis, c), nodes, x, velocity=rate) for axis, x in zip("xyz", v)]
+        elif kind == "shell velocity":
+            ctx.check_tags(c, {"value"})
+            pairs = zip("xyz", ctx.vector(c.need("value")), strict=True)
+            out += [Initial(ctx.column(axis, c), _back(ctx, c), x, velocity=True) for axis, x in pairs]
+        elif kind == "rigid kinematics":
+            out += _rigid_motion(ctx, c)
         elif kind in ("init_pressure", "initial fluid pressure", "effective fluid pressure"):
             out.append(Initial(ctx.column("p", c), _nodes(ctx, c), ctx.value(c.child("value"), 0.0)))
         elif kind == "initial shell fluid pressure":
@@ -216,3 +229,13 @@ def initial(ctx: Context, specs: tuple[Component, ...]) -> list[Initial]:
         else:
             ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
     return out
+
+
+def _rigid_motion(ctx: Context, c: Component) -> list[Initial]:
+    """Velocities v + w x (X - c) of the nodes of a set."""
+    ctx.check_tags(c, {"velocity", "angular_velocity", "center_of_rotation"})
+    given = (c.child(tag) for tag in ("velocity", "angular_velocity", "center_of_rotation"))
+    v, w, centre = (np.zeros(3) if leaf is None else np.array(leaf.as_floats(3)) for leaf in given)
+    nodes = _nodes(ctx, c)
+    rates = v + np.cross(w, ctx.X[nodes] - centre)
+    return [Initial(ctx.column(axis, c), nodes, Map(rates[:, k]), velocity=True) for k, axis in enumerate("xyz")]

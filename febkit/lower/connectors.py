@@ -21,6 +21,7 @@ KINDS: dict[str, tuple[Any, dict[str, str], tuple[str, ...], tuple[str, ...]]] =
     "rigid angular damper": (between.AngularDamper, {"c": "c"}, (), ()),
     "rigid contractile force": (between.ContractileForce, {"f0": "f0"}, ("insertion_a", "insertion_b"), ()),
     "rigid joint": (joints.RigidJoint, {}, ("joint",), ()),
+    "generic rigid joint": (joints.GenericJoint, {}, ("joint",), ()),
     "rigid lock": (joints.Lock, {}, (), ()),
     "rigid spherical joint": (joints.Spherical, {}, (), ("prescribed_rotation",)),
     "rigid revolute joint": (
@@ -40,6 +41,7 @@ KINDS: dict[str, tuple[Any, dict[str, str], tuple[str, ...], tuple[str, ...]]] =
     ),
 }  # fmt: skip
 SIZES = ("tolerance", "gaptol", "angtol", "force_penalty", "moment_penalty")
+GENERIC = tuple(f"prescribe_{q}" for q in ("x", "y", "z", "Rx", "Ry", "Rz"))
 DAMPING = ("force_damping", "moment_damping")
 TURNS, MOMENTS = tuple(f"rotation_{k}" for k in "xyz"), tuple(f"moment_{k}" for k in "xyz")
 
@@ -64,10 +66,14 @@ def read(ctx: Context, out: Step, c: Component) -> None:
         kw |= {tag: c.float(tag, 0.01 if tag == "tolerance" else 0.0) for tag in ("tolerance", "penalty")}
         if not kw["penalty"]:
             raise InputError(f'<{c.tag} type="{c.type}"> needs a <penalty>', c.where)
+    elif cls is joints.GenericJoint:
+        known |= {"tolerance", "penalty", "laugon", "symmetric_stiffness", *GENERIC}
+        kw |= {"tolerance": c.float("tolerance", 0.0), "penalty": c.float("penalty", 1.0)}
+        kw["given"] = tuple(None if c.child(t) is None else ctx.value(c.child(t)) for t in GENERIC)
     elif issubclass(cls, joints.Joint):
         known |= _joint(ctx, c, cls, kw)
-    if issubclass(cls, (joints.Joint, joints.RigidJoint)):
-        kw["laugon"] = _method(ctx, c)
+    if issubclass(cls, (joints.Joint, joints.RigidJoint, joints.GenericJoint)):
+        kw["laugon"] = _method(ctx, c, 0 if cls is joints.GenericJoint else 1)
     ctx.check_tags(c, known)
     out.connectors.append(cls(rigid.body(ctx, c, "body_a"), rigid.body(ctx, c, "body_b"), **kw))
 
@@ -99,9 +105,9 @@ def _joint(ctx: Context, c: Component, cls: Any, kw: dict[str, Any]) -> set[str]
     return known | set(sizes)
 
 
-def _method(ctx: Context, c: Component) -> int:
-    """0 penalty, 1 augmented Lagrangian (FEBio's default); Lagrange multipliers are refused."""
-    method = c.choice("laugon", METHODS, 1)
+def _method(ctx: Context, c: Component, otherwise: int) -> int:
+    """0 penalty, 1 augmented Lagrangian, ``otherwise`` FEBio's default; Lagrange multipliers are refused."""
+    method = c.choice("laugon", METHODS, otherwise)
     if method == 2:
         ctx.refuse(f"<laugon>LAGMULT</laugon> of {c.what}", c.need("laugon").where)
     return method

@@ -21,6 +21,7 @@ from febkit.model import (
     Where,
     values,
 )
+from febkit.model.reasons import reason
 from febkit.model.sets import element_ids, map_items, node_indices, surface
 from febkit.solver.fields import Layout
 from febkit.solver.problem import Step
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from febkit.model.math import Formula
     from febkit.solver.contact.tied_node import TiedNode
     from febkit.solver.controllers import LoadCurve
+    from febkit.solver.feedback import Pid
     from febkit.solver.problem import Block, Problem
 
     from .rigid import Body
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 Controller = Callable[[float], float]
 METHODS = {"penalty": 0, "auglag": 1, "lagmult": 2, "0": 0, "1": 1, "2": 2}  # of <laugon>, how a constraint is held
 FACETS = "@facets:"  # marks a surface whose facets a map may follow
+_TYPE = re.compile(r'type="([^"]+)"')
 _PARAMETER = re.compile(r"fem\.material\('([^']+)'\)\.([\w.]+)")
 
 
@@ -100,13 +103,17 @@ class Context:
         self.made: list[Block] = []  # and the blocks
         self.bonded: list[tuple[Step, Component, TiedNode]] = []  # tied contacts by multipliers, and their steps
         self.common = Step()  # what acts in every step
+        self.feedback: list[Pid] = []  # controllers that follow the solution
         self.lower: Callable[[Model], Problem]  # lowers another model, which this one names
         self._made_data: dict[int, np.ndarray | None] = {}
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
     def refuse(self, what: str, where: Where | None = None) -> None:
         """Note a feature that febkit does not solve."""
-        self.refused.append(UnsupportedError(f"{what} is not supported by febkit's solver", where))
+        named = _TYPE.search(what)
+        why = reason(named[1]) if named else ""
+        said = f"{what} is not supported by febkit's solver"
+        self.refused.append(UnsupportedError(f"{said}: {why}" if why else said, where))
 
     # ---- nodal fields -----------------------------------------------------------------------------
     def column(self, dof: str, c: Component) -> int:
@@ -142,6 +149,10 @@ class Context:
             if spec.type == "math":
                 return lambda t: float(f(t=t))
             return interval(spec.spec, lambda t: float(f(t=t)))
+        if spec.type == "PID":
+            from .feedback import pid
+
+            return pid(self, spec)
         self.refuse(f'load controller type="{spec.type}"', spec.where)
         return lambda t: 1.0
 
@@ -263,13 +274,17 @@ class Context:
             self.refuse(f"a map as <{leaf.tag}>", leaf.where)
         elif data.kind == "element" and maps in self.blocks:
             return Map(self.element_rows(leaf, maps, 1, name)[:, 0])
-        elif data.kind == "node" and not facets and maps not in self.blocks and data.values is not None:
+        elif data.kind == "node" and not facets and maps not in self.blocks and self._listed(data):
             return Map(self._node_map(data, maps, leaf))
         elif data.kind == "surface" and facets and data.values is not None:
             return Map(self._facet_map(data, facets, leaf))
         else:
             self.refuse(f'the {data.kind} map "{name}"', data.where)
         return Constant(0.0)
+
+    def _listed(self, data: MeshData) -> bool:
+        """Are there values at nodes, as the file lists them or by a formula?"""
+        return data.values is not None or data.spec.type == "math"
 
     def _facet_map(self, data: MeshData, name: str, leaf: Component) -> np.ndarray:
         """A map of facets by the places of its own surface, which FEBio takes for those of the one it is used on."""
@@ -295,6 +310,10 @@ class Context:
             raise InputError(
                 f'<{leaf.tag}>: the map "{data.name}" is of {len(out)} nodes, "{ref}" has {wanted}', leaf.where
             )
+        if data.values is None:
+            from .generated import formula
+
+            return formula(self, data)
         items = map_items(mesh, data)
         out[items] = np.asarray(data.values, float).reshape(len(items), -1)[:, 0]
         return out

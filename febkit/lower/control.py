@@ -35,6 +35,7 @@ SOLVER = frozenset({
     "reform_each_time_step", "reform_augment", "diverge_reform", "min_residual", "max_residual", "dtol", "etol",
     "rtol", "ptol", "ctol", "rhoi", "alpha", "beta", "gamma", "logSolve", "arc_length", "arc_length_scale",
     "qn_method", "mixed_formulation", "force_positive_concentrations", "linear_solver", "init_accelerations",
+    "use_new_rigid_update",
 })  # fmt: skip
 NUMBERS = {  # tags and options
     "dtol": "dtol", "etol": "etol", "rtol": "rtol", "ptol": "ptol", "ctol": "ctol", "min_residual": "min_residual",
@@ -43,7 +44,7 @@ NUMBERS = {  # tags and options
 }  # fmt: skip
 LAST = 3.4e38  # a time in a plotfile
 SHORTEST = 1e-300  # beta dt^2 of dynamics, by which masses are divided
-QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax"})
+QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax", "jfnk_eps"})
 
 
 def step(ctx: Context, control: Component, out: Step) -> None:
@@ -177,7 +178,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     if c is None:
         return o
     ctx.check_tags(c, SOLVER)
-    if c.type not in (None, "solid", "biphasic", "solute", "multiphasic"):
+    if c.type not in (None, "solid", "solid_old", "biphasic", "solute", "multiphasic"):
         ctx.refuse(f'<solver type="{c.type}">', c.where)
     for tag in ("arc_length", "logSolve"):
         leaf = c.child(tag)
@@ -205,6 +206,7 @@ def _quasi_newton(ctx: Context, c: Component, o: NewtonOptions) -> None:
     ctx.check_tags(c, QN)
     name = (c.type or c.text.strip() or o.method).lower()
     names = {"bfgs": "BFGS", "broyden": "Broyden", "full newton": "full Newton", "0": "BFGS", "1": "Broyden"}
+    names |= {"modified newton": "modified Newton", "jfnk": "full Newton"}  # JFNK: the same steps without a matrix
     if name not in names:
         ctx.refuse(f'<qn_method type="{c.type}">', c.where)
         return

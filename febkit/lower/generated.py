@@ -1,17 +1,33 @@
-"""Element data that the file has made rather than given: vectors from one surface to another."""
+"""Data that the file has made rather than given: by a formula at nodes, vectors of elements between surfaces."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import ElementBlock, InputError, MeshData
 from febkit.model.mesh import Mesh
-from febkit.model.sets import element_ids, surface
+from febkit.model.sets import element_ids, node_indices, surface
 from febkit.solver import elements
+
+if TYPE_CHECKING:
+    from .context import Context
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+def formula(ctx: Context, d: MeshData) -> Floats:
+    """What <math> of X, Y and Z gives at the nodes of a set (node,); the first part of a list, as in FEBio."""
+    from febkit.model.math import compile as compiled
+
+    ctx.check_tags(d.spec, {"math"})
+    leaf = d.spec.need("math")
+    f = compiled(leaf.text.partition(",")[0], ("X", "Y", "Z"), dict(ctx.model.variables), leaf.where)
+    X = ctx.X[node_indices(ctx.model.mesh, d.set, d.where)]
+    return np.array(np.broadcast_to(f.at(dict(zip("XYZ", X.T, strict=True))), len(X)), float)
 
 
 def surface_to_surface(mesh: Mesh, d: MeshData) -> Floats:

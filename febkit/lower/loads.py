@@ -10,6 +10,7 @@ import numpy as np
 from febkit.model import Component, InputError, Surface
 from febkit.model.sets import element_ids, node_indices, surface
 from febkit.model.species import find, solutes
+from febkit.solver import elements
 from febkit.solver import loads as records
 from febkit.solver.loads.base import Patch, patches
 
@@ -22,6 +23,8 @@ SURFACE: dict[str, tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]] = {
     "force": (("scale",), ("force",), ()),
     "bearing load": (("scale",), ("force",), ("profile", "linear", "symmetric_stiffness")),
     "ideal gas pressure": (("P0",), (), ("symmetric_stiffness",)),
+    "pressure Robin BC": (("spring_eps", "dashpot_eps"), (), ()),
+    "traction Robin BC": (("spring_eps", "dashpot_eps"), (), ()),
     "normal_traction": (("traction",), (), ("linear", "effective", "symmetric_stiffness")),
     "fluidflux": (("flux",), (), ("linear", "mixture")),
     "soluteflux": (("flux",), (), ("linear",)),
@@ -67,6 +70,9 @@ def facets(ctx: Context, c: Component, rule: str | None = None) -> tuple[Patch, 
     name = c.attrs.get("surface", "")
     on = surface(ctx.model.mesh, name, c.where)
     conns = dict(on.facets)
+    for kind in set(conns) - set(elements.FACETS):
+        ctx.refuse(f"{c.what} on {kind} facets", c.where)
+        del conns[kind]
     if c.bool("shell_bottom"):
         conns = ctx.bottoms(c, conns)
     return patches(conns, ctx.X, _order(on), dict.fromkeys(conns, rule) if rule else None)

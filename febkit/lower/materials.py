@@ -7,7 +7,7 @@ from typing import Any
 
 from febkit.model import Component, Domain, InputError, Where, ranges, values
 from febkit.model.sets import missing
-from febkit.solver import permeabilities, physics, supplies
+from febkit.solver import momentum_supplies, permeabilities, physics, supplies
 from febkit.solver.problem import Block
 from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
@@ -98,12 +98,23 @@ def _block(ctx: Context, d: Domain, spec: Component) -> Block | None:
         block.axes = _axes().element_axes(ctx, d.block)
     own = top.child("mat_axis")
     if mixture is not None and own is not None:
-        solid.mat_axis = _axes().mat_axis(ctx, own, d.block)
+        _turn(mixture, solid, _axes().mat_axis(ctx, own, d.block))
     if d.kind == "solid":
         _formulation(ctx, d, block, mixture is not None)
     elif mixture is None and not shells.assumed(ctx, d, block) and solid.uncoupled and shells.three_field(d, mesh.type):
         block.physics = physics.load("three-field")(_augment(d.spec))
     return block
+
+
+def _turn(mixture: Any, solid: Any, outer: Any) -> None:
+    """Hand the axes of a mixture down to its laws."""
+    solid.mat_axis = outer
+    made = getattr(mixture, "mixture", mixture)  # of several species, or biphasic
+    diffusivities = (q.diffusivity for q in getattr(made, "solutes", ()))
+    for own in (made.permeability, getattr(made, "active", None), *diffusivities):
+        if own is not None:
+            inner = own.mat_axis
+            own.mat_axis = outer if inner is None else lambda pts, inner=inner: outer(pts) @ inner(pts)
 
 
 def _formulation(ctx: Context, d: Domain, block: Block, mixture: bool) -> None:
@@ -135,16 +146,17 @@ def _augment(options: Component | None) -> Any:
 
 
 def _biphasic(ctx: Context, spec: Component, part: str) -> Any:
-    ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "density", "mat_axis"})  # noqa: E501
+    ctx.check_tags(spec, {"phi0", "fluid_density", "tau", "solid", "permeability", "solvent_supply", "active_supply", "density", "mat_axis"})  # noqa: E501
     if spec.float("tau", 0.0):
         ctx.refuse("<tau> (flux relaxation) of a biphasic material", spec.need("tau").where)
     perm = law(ctx, spec.need("permeability"), permeabilities, part)
-    supply = spec.child("solvent_supply")
+    supply, active = spec.child("solvent_supply"), spec.child("active_supply")
     return physics.load("biphasic")(
         perm,
         ctx.value(spec.child("phi0"), 0.0, part),
         ctx.value(spec.child("fluid_density"), 0.0, part),
         None if supply is None else law(ctx, supply, supplies, part),
+        None if active is None else law(ctx, active, momentum_supplies, part),
     )
 
 

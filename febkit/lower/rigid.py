@@ -247,10 +247,7 @@ def _force(ctx: Context, out: Step, c: Component) -> None:
 
 def _follower_force(ctx: Context, out: Step, c: Component) -> None:
     load = _load(ctx, c, {"insertion", "force", "relative"}, given=ctx.vector(c.need("force")))
-    leaf = c.child("insertion")
-    load.arm = np.array(leaf.as_floats(3)) if leaf is not None else np.zeros(3)
-    if not c.bool("relative"):
-        load.arm -= ctx.centres[load.body]
+    load.arm = _point(ctx, c.child("insertion"), load.body, c.bool("relative")) - ctx.centres[load.body]
     out.loads.append(load)
 
 
@@ -258,14 +255,65 @@ def _follower_moment(ctx: Context, out: Step, c: Component) -> None:
     out.loads.append(_load(ctx, c, {"moment"}, given=ctx.vector(c.need("moment"))))
 
 
+def _axial(ctx: Context, out: Step, c: Component) -> None:
+    """A force along the line between points of two bodies."""
+    from febkit.solver.rigid.connectors import AxialForce
+
+    ctx.check_tags(c, {"rbA", "rbB", "ra", "rb", "force", "relative"})
+    a, b, relative = body(ctx, c, "rbA"), body(ctx, c, "rbB"), c.bool("relative")
+    at, to = _point(ctx, c.child("ra"), a, relative), _point(ctx, c.child("rb"), b, relative)
+    out.connectors.append(AxialForce(a, b, at, to, f0=ctx.value(c.child("force"), 0.0)))
+
+
+def _point(ctx: Context, leaf: Component | None, body: int, relative: bool) -> Floats:
+    """A point of a body in the reference, given from its centre where ``relative``."""
+    given = np.zeros(3) if leaf is None else np.array(leaf.as_floats(3))
+    return given + ctx.centres[body] if relative else given
+
+
+def _cable(ctx: Context, out: Step, c: Component) -> None:
+    """A force at the last of several bodies, and its pull between those before it."""
+    from febkit.solver.rigid.connectors import Cable
+
+    ctx.check_tags(c, {"force", "force_direction", "relative", "rigid_cable_point"})
+    leaf, points = c.child("force_direction"), c.all("rigid_cable_point")
+    if not points:
+        raise InputError(f"{c.what} has no <rigid_cable_point>", c.where)
+    direction = np.array([0.0, 0.0, -1.0] if leaf is None else leaf.as_floats(3))
+    if not direction.any():
+        raise InputError(f"{c.what}: <force_direction> is zero", c.where)
+    relative, force = c.bool("relative", True), ctx.value(c.child("force"), 0.0)
+    at = [body(ctx, q, "rigid_body_id") for q in points]
+    where = [_point(ctx, q.child("position"), k, relative) for q, k in zip(points, at, strict=True)]
+    for k in range(len(at) - 1):
+        out.connectors.append(Cable(at[k], at[k + 1], where[k], where[k + 1], f0=force))
+    last, row = at[-1], len(ctx.X) + 2 * at[-1]
+    out.loads.append(loads.load("rigid_cable")(
+        last, row, where[-1] - ctx.centres[last], direction / np.linalg.norm(direction), force,
+    ))  # fmt: skip
+
+
+def _fixed_old(ctx: Context, out: Step, c: Component) -> None:
+    ctx.check_tags(c, {"rb", "dofs"})
+    index, names = body(ctx, c), {name.lower(): k for k, name in enumerate(DOFS)}
+    for said in c.need("dofs").text.replace(",", " ").split():
+        if said.lower() not in names:
+            raise InputError(f"<dofs> are {', '.join(DOFS)}, not {said!r}", c.need("dofs").where)
+        out.conditions.append(Fixed(*place(ctx, index, names[said.lower()])))
+
+
 READERS: dict[tuple[str, str], Callable[[Context, Step, Component], Any]] = {
     ("rigid_bc", "rigid_fixed"): _fixed,
+    ("rigid_bc", "rigid_fixed_old"): _fixed_old,
+    ("rigid_bc", "rigid_prescribed_old"): _given(SHIFT | TURN),
     ("rigid_bc", "rigid_displacement"): _given(SHIFT),
     ("rigid_bc", "rigid_rotation"): _given(TURN),
     ("rigid_bc", "rigid_rotation_vector"): _rotation_vector,
     ("rigid_bc", "rigid_euler_angles"): _euler,
     ("rigid_load", "rigid_force"): _force,
     ("rigid_load", "rigid_moment"): _force,
+    ("rigid_load", "rigid_axial_force"): _axial,
+    ("rigid_load", "rigid_cable"): _cable,
     ("rigid_load", "rigid_follower_force"): _follower_force,
     ("rigid_load", "rigid_follower_moment"): _follower_moment,
     ("rigid_ic", "initial_rigid_velocity"): _velocity(0),

@@ -20,6 +20,8 @@ LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "linear spring": (springs.LinearSprings, ("E",)),
     "tension-only linear spring": (springs.LinearSprings, ("E",)),
     "nonlinear spring": (springs.NonlinearSprings, ("scale",)),
+    "experimental spring": (springs.ExperimentalSprings, ("E", "sM", "sm")),
+    "torsion spring": (springs.TorsionSprings, ("r",)),
     "Hill": (springs.HillMuscles, ("Vmax", "ac", "Fmax", "Ksh", "Lmax")),
 }
 AUGMENTED = frozenset({"laugon", "tol", "penalty", "rhs", "minaug", "maxaug"})
@@ -46,12 +48,24 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
     if number not in materials:
         raise missing("discrete material", number, materials, c.where)
     m = materials[number]
+    pairs = np.asarray(ctx.model.mesh.discrete_sets[name].pairs, np.int64)
+    made = _law(ctx, m, pairs, name)
+    if made is not None:
+        out.loads.append(made)
+
+
+def _law(ctx: Context, m: Component, pairs: np.ndarray, name: str) -> springs.Springs | None:
+    """Springs of a discrete material between pairs of nodes; None where it is refused."""
+    x = ctx.X[pairs]
+    lengths = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
+    if m.type == "discrete composite":
+        ctx.check_tags(m, {"name", "mat"})
+        parts = [_law(ctx, q, pairs, name) for q in m.all("mat")]
+        return springs.CompositeSprings(pairs, lengths, parts=tuple(p for p in parts if p is not None))
     if m.type not in LAWS:
         ctx.refuse(f'<{m.tag} type="{m.type}">', m.where)
-        return
+        return None
     cls, numbers = LAWS[m.type]
-    pairs = np.asarray(ctx.model.mesh.discrete_sets[name].pairs, np.int64)
-    x = ctx.X[pairs]
     kw: dict[str, Any] = {t: ctx.value(m.child(t)) for t in numbers if m.child(t) is not None}
     known: set[str] = {"name", *numbers}
     if m.type == "tension-only linear spring":
@@ -65,11 +79,11 @@ def _springs(ctx: Context, out: Step, c: Component, materials: dict[str, Compone
         kw["L0"] = m.float("L0", 0.0)
         kw |= {t: curve(ctx, m.need(t)) for t in ("Sv", "Ftl", "Fvl") if m.child(t) is not None}
     ctx.check_tags(m, known)
-    lengths = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
-    if kw.get("measure") in ("strain", "stretch") and not (lengths > 0).all():
+    if (kw.get("measure") in ("strain", "stretch") or cls is springs.TorsionSprings) and not (lengths > 0).all():
         a, b = ctx.model.mesh.node_ids[pairs[int(np.argmin(lengths))]]
-        raise InputError(f'{c.what}: nodes {a} and {b} of "{name}" are in one place: no {kw["measure"]}', c.where)
-    out.loads.append(cls(pairs, lengths, **kw))
+        what = kw.get("measure", "direction")
+        raise InputError(f'{m.what}: nodes {a} and {b} of "{name}" are in one place: no {what}', m.where)
+    return cls(pairs, lengths, **kw)  # type: ignore[no-any-return]
 
 
 def _place(ctx: Context, node: int, dof: str, where: Where) -> tuple[int, int]:

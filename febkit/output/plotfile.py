@@ -115,9 +115,11 @@ class PlotListener(Listener):
 
             found = storage(known, asked.more, self.model)
             return None if found is None else replace(found, name=asked.label)
-        if kind is None:
+        if kind is None and asked.name not in plot.PARTS:
             return replace(known, name=asked.label)
-        names = tuple(s.name for s in (solutes if kind == "solute" else solid_bound)(self.model))
+        names = plot.PARTS.get(asked.name) or tuple(
+            s.name for s in (solutes if kind == "solute" else solid_bound)(self.model)
+        )
         return replace(known, name=asked.label, n=len(names), array_names=names)
 
     def save(self, run: Run, status: int) -> None:

@@ -219,7 +219,10 @@ VARIABLES: dict[str, PlotVariable] = {v.name: v for v in _known()}
 # what FEBio gives no unit but has one all the same ("1": a pure number); others of its "" stay without
 _UNNAMED: dict[str, tuple[str, ...]] = {
     "1": (
-        "Almansi strain", "beam strain", "contact status", "contact stick", "damage", "deformation gradient",
+        "Almansi strain", "beam strain", "contact status", "contact stick", "continuous damage",
+        "continuous damage beta", "continuous damage D1", "continuous damage D2", "continuous damage D2beta",
+        "continuous damage D3", "continuous damage Ds", "continuous damage gamma", "continuous damage P",
+        "continuous damage Psi0", "damage", "deformation gradient",
         "deviatoric fiber stretch", "discrete element direction", "discrete element percent elongation",
         "discrete element stretch", "effective friction coefficient",
         "fatigue bond fraction", "fiber stretch", "fiber vector", "fluid dilatation", "fluid load support",
@@ -247,8 +250,11 @@ _UNNAMED: dict[str, tuple[str, ...]] = {
     "W": ("element stress power",),
     "W/L^3": ("plasticity heat supply density",),
     "P": ("deviatoric elasticity", "deviatoric strain energy density", "deviatoric strong bond SED",
-          "deviatoric weak bond SED", "ideal gas pressure", "kinetic energy density", "strain energy density",
-          "strong bond SED", "ut4 nodal stress", "weak bond SED"),
+          "deviatoric weak bond SED", "ideal gas pressure", "kinetic energy density", "micro energy",
+          "strain energy density", "strong bond SED", "ut4 nodal stress", "weak bond SED"),
+    "P^2": ("PK1 norm",),
+    "P^2.L^2": ("QK1 norm",),
+    "1/L^2": ("G norm",),
     "c": ("effective shell solute concentration",),
     "r": ("rigid angular position", "rigid rotation vector"),
     "r/t": ("rigid angular velocity",),

@@ -78,8 +78,8 @@ def fiber_stress(F, J, a0, iso, W, s):
 
 
 @kernel
-def fiber_tangent(F, J, a0, W, H, c):
-    """Add the spatial tangent of an isochoric W(I1, I4, I5) to c (n, 6, 6).
+def fiber_tangent(F, J, a0, iso, W, H, c):
+    """Add the spatial tangent of W(I1, I4, I5) to c (n, 6, 6): 4/J K, or, isochoric where ``iso``, what follows.
 
     ``W`` (n, 5) holds W1, 0, W4, W5, 0; ``H`` (n, 6) W11, W14, W15, W44, W45, W55. With b and I1, I4, I5 of F~, n the
     fiber, A = I4 n n, P = I4 (n bn + bn n), dev s the stress:
@@ -91,9 +91,9 @@ def fiber_tangent(F, J, a0, W, H, c):
     """
     b, n, bn = np.empty(6), np.empty(3), np.empty(3)
     A, P, k, s, one = np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.zeros(6)
-    one[0] = one[1] = one[2] = 1.0
+    one[0] = one[1] = one[2] = 1.0 if iso else 0.0  # what the projection takes off
     for i in range(len(J)):
-        I4 = _left(F, J, i, i if a0.shape[0] > 1 else 0, a0, True, b, n)
+        I4 = _left(F, J, i, i if a0.shape[0] > 1 else 0, a0, iso, b, n)
         _times(b, n, bn)
         I1 = b[0] + b[1] + b[2]
         I5 = I4 * (n[0] * bn[0] + n[1] * bn[1] + n[2] * bn[2])
@@ -116,7 +116,7 @@ def fiber_tangent(F, J, a0, W, H, c):
         for p in range(6):
             k[p] = k1 * b[p] + k4 * A[p] + k5 * P[p]
         trace = k[0] + k[1] + k[2]
-        g = 4.0 / (3.0 * J[i]) * (W1 * I1 + W4 * I4 + 2.0 * W5 * I5)
+        g = 4.0 / (3.0 * J[i]) * (W1 * I1 + W4 * I4 + 2.0 * W5 * I5) if iso else 0.0
         f = 4.0 / J[i]
         for p in range(6):
             r = p if p < 3 else (0 if p != 4 else 1)

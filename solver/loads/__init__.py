@@ -17,6 +17,8 @@ TYPES = {
     "solute natural flux": "solute_natural_flux",
     "soluteflux": "solute_flux",
     "ideal gas pressure": "enclosed_volume",
+    "pressure Robin BC": "robin",
+    "traction Robin BC": "robin",
     # nodal loads
     "nodal_load": "nodal",
     "nodal_force": "nodal",
@@ -26,6 +28,7 @@ TYPES = {
     "rigid_force": "rigid",
     "rigid_moment": "rigid",
     "rigid_follower_force": "rigid",
+    "rigid_cable": "rigid",
     "rigid_follower_moment": "rigid",
     # body loads
     "body force": "body_force",

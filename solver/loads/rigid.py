@@ -116,7 +116,23 @@ class RigidFollowerMoment(RigidLoad):
         return [(K, np.array([[self.row + 1] * 3]), state.layout.displacement)]
 
 
+@dataclass(eq=False)
+class CableEnd(RigidLoad):
+    """The force at the end of a cable, of fixed direction, with the moment it has in the reference (as in FEBio)."""
+
+    arm: Floats
+    direction: Floats
+    value: Number = 0.0
+
+    def residual(self, state: State, R: Floats) -> None:
+        f = self.direction * float(as_value(self.value)(state.time, ORIGIN)[0])
+        Ru = state.layout.u(R)
+        Ru[self.row] += f
+        Ru[self.row + 1] += np.cross(self.arm, f)
+
+
 register(RigidForce, "rigid_force")
 register(RigidMoment, "rigid_moment")
 register(RigidFollowerForce, "rigid_follower_force")
 register(RigidFollowerMoment, "rigid_follower_moment")
+register(CableEnd, "rigid_cable")

@@ -60,15 +60,22 @@ class Springs(Action):
         e = r / np.where(L > 0, L, 1.0)[:, None]
         return L, e, (v * e).sum(axis=1), v
 
-    def residual(self, state: State, R: Floats) -> None:
+    def forces(self, state: State) -> Floats:
+        """Forces on the first nodes (m, 3)."""
         L, e, rate, _ = self._line(state)
-        f = self.law(L, rate, state.time)[0][:, None] * e
-        Ru = state.layout.u(R)
+        return self.law(L, rate, state.time)[0][:, None] * e
+
+    def energies(self, state: State) -> Floats:
+        """Strain energies (m,); zero where FEBio has none."""
+        return np.zeros(len(self.nodes))
+
+    def residual(self, state: State, R: Floats) -> None:
+        f, Ru = self.forces(state), state.layout.u(R)
         np.add.at(Ru, self.nodes[:, 0], f)
         np.add.at(Ru, self.nodes[:, 1], -f)
 
-    def stiffness(self, state: State, groups: Any = None) -> Matrices:
-        """A = dF/dr: F' e e + F / L (1 - e e), and dF/drate e (e / dt + (v - rate e) / L)."""
+    def slopes(self, state: State) -> Floats:
+        """A = dF/dr (m, 3, 3): F' e e + F / L (1 - e e), and dF/drate e (e / dt + (v - rate e) / L)."""
         L, e, rate, v = self._line(state)
         F, dL, dv = self.law(L, rate, state.time)
         along = np.einsum("mi,mj->mij", e, e)
@@ -77,6 +84,10 @@ class Springs(Action):
         if dv.any():
             turn = e / state.dt + (v - rate[:, None] * e) / np.where(L > 0, L, 1.0)[:, None]
             A += dv[:, None, None] * np.einsum("mi,mj->mij", e, turn)
+        return np.asarray(A)
+
+    def stiffness(self, state: State, groups: Any = None) -> Matrices:
+        A = self.slopes(state)
         K = np.block([[A, -A], [-A, A]])
         return [(K, np.repeat(self.nodes, 3, axis=1), np.tile(state.layout.displacement, 2))]
 
@@ -91,6 +102,87 @@ class LinearSprings(Springs):
     def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
         E = as_value(self.E)(t, ORIGIN) * np.where((self.rest <= L) | (not self.tension_only), 1.0, 0.0)
         return E * (L - self.rest), E, np.zeros_like(L)
+
+    def energies(self, state: State) -> Floats:
+        L, _, rate, _ = self._line(state)
+        return np.asarray(0.5 * self.law(L, rate, state.time)[0] * (L - self.rest))
+
+
+@dataclass(eq=False)
+class ExperimentalSprings(Springs):
+    """F = s (1 - exp(-E d / s)), d = L - L0, s = sM; in compression odd with s = sm."""
+
+    E: Number = 0.0
+    sM: Number = 0.0
+    sm: Number = 0.0
+
+    def _side(self, L: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        """E, and s and exp(-E |d| / s) of the side (m,)."""
+        E, most, least = (as_value(v)(t, ORIGIN) for v in (self.E, self.sM, self.sm))
+        s = np.where(self.rest <= L, most, least)
+        return E, s, np.exp(-E * np.abs(L - self.rest) / s)
+
+    def law(self, L: Floats, rate: Floats, t: float) -> tuple[Floats, Floats, Floats]:
+        E, s, e = self._side(L, t)
+        return np.sign(L - self.rest) * s * (1.0 - e), E * e, np.zeros_like(L)
+
+    def energies(self, state: State) -> Floats:
+        L = self._line(state)[0]
+        E, s, e = self._side(L, state.time)
+        return np.asarray(s * (np.abs(L - self.rest) - s / E * (1.0 - e)))
+
+
+@dataclass(eq=False)
+class TorsionSprings(Springs):
+    """Springs that resist turning away from their line e0 of the reference: energy r (1 - w^2) / 2, w = e0 . e.
+
+    F = -r w t, t = (e0 - w e) / L, pulls the first node.
+    """
+
+    r: Number = 0.0
+
+    def _turned(self, state: State) -> tuple[Floats, ...]:
+        """Lengths, directions e and t (m, 3), and w (m,)."""
+        L, e, _, _ = self._line(state)
+        X = state.X[self.nodes]
+        e0 = (X[:, 1] - X[:, 0]) / self.rest[:, None]
+        w = (e0 * e).sum(axis=1)
+        return L, e, (e0 - w[:, None] * e) / L[:, None], w
+
+    def forces(self, state: State) -> Floats:
+        _, _, t, w = self._turned(state)
+        return -as_value(self.r)(state.time, ORIGIN)[:, None] * w[:, None] * t
+
+    def slopes(self, state: State) -> Floats:
+        L, e, t, w = self._turned(state)
+        r = as_value(self.r)(state.time, ORIGIN)[:, None, None]
+        tt, te = t[:, :, None] * t[:, None, :], t[:, :, None] * e[:, None, :]
+        over = (w / L)[:, None, None]
+        wide = te + np.swapaxes(te, 1, 2) + over * (np.eye(3) - e[:, :, None] * e[:, None, :])
+        return np.asarray(r * (over * wide - tt))
+
+    def energies(self, state: State) -> Floats:
+        return np.asarray(0.5 * as_value(self.r)(state.time, ORIGIN) * (1.0 - self._turned(state)[3] ** 2))
+
+
+@dataclass(eq=False)
+class CompositeSprings(Springs):
+    """Several laws between the same nodes."""
+
+    parts: tuple[Springs, ...] = ()
+
+    @property
+    def symmetric(self) -> bool:
+        return all(p.symmetric for p in self.parts)
+
+    def forces(self, state: State) -> Floats:
+        return np.asarray(sum(p.forces(state) for p in self.parts))
+
+    def slopes(self, state: State) -> Floats:
+        return np.asarray(sum(p.slopes(state) for p in self.parts))
+
+    def energies(self, state: State) -> Floats:
+        return np.asarray(sum(p.energies(state) for p in self.parts))
 
 
 @dataclass(eq=False)

@@ -167,6 +167,10 @@ class Work:
         concentrations; None where nothing is dissolved."""
         return None
 
+    def osmotic(self, e: NDArray[np.int64]) -> Floats | None:
+        """Means over elements e of the osmotic part of the fluid pressure (k,); None where nothing is dissolved."""
+        return None
+
     def carried(self, e: NDArray[np.int64], field: str) -> Floats:
         """Mean fluid flux over elements e times the mean actual concentration of the solute of a nodal field (k, 3)."""
         raise NotImplementedError

@@ -79,7 +79,7 @@ class BiphasicWork(StandardWork):
         g, mix = self.group, self.mixture
         self._pressures(c.lo, c.hi, state)
         k = self._permeability(c.points)[0]
-        b = np.zeros((0, 3)) if not drive else self._drive(c, drive)
+        b = self._drive(c, drive) if drive or mix.active is not None else np.zeros((0, 3))
         biphasic.flux(c.lo, c.hi, k, self.gp, b, self.w)
         if mix.supply is not None:
             q = np.zeros(c.points.n)
@@ -95,7 +95,8 @@ class BiphasicWork(StandardWork):
         b = np.zeros((c.points.n, 3))
         for load in drive:
             b += load.force(c.points)
-        return b * self.mixture.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
+        b *= self.mixture.fluid_density(c.points.t, c.points.X, c.points.e)[:, None]
+        return b if self.mixture.active is None else b + self.mixture.active.drive(c.points)
 
     def _permeability(self, pts: Points, tangent: bool = False) -> tuple[Floats, Floats | None]:
         """Permeability (n, 6) at points, and where asked for its derivatives (n, 6, 6), None where it has none."""
@@ -218,12 +219,14 @@ class BiphasicWork(StandardWork):
 
 @dataclass(eq=False)
 class Biphasic(Physics):
-    """Permeability, phi0 (referential solid volume fraction), true density of the fluid, solvent supply."""
+    """Permeability, phi0 (referential solid volume fraction), true density of the fluid, solvent supply, and what
+    drives the fluid besides (``active``)."""
 
     permeability: Any
     phi0: Value = field(default_factory=lambda: Constant(0.0))
     fluid_density: Value = field(default_factory=lambda: Constant(0.0))
     supply: Any = None
+    active: Any = None
     name: ClassVar[str] = "biphasic"
     rates: ClassVar[bool] = True
     work: ClassVar[type[Work]] = BiphasicWork

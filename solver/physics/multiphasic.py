@@ -195,6 +195,9 @@ class MultiphasicWork(StandardWork):
         means = mix.RT * self._points(phi)[e].mean(axis=1), self._points(self.at.kappa)[e].mean(axis=1)
         return *means, self.scalars[1:]
 
+    def osmotic(self, e: NDArray[np.int64]) -> Floats:
+        return np.asarray(self._points(self.at.pa - self.at.p)[e].mean(axis=1))
+
     def carried(self, e: NDArray[np.int64], field: str) -> Floats:
         i = [concentration(s.index + 1).name for s in self.mix.solutes].index(field)
         w, ca = (self._points(q)[e].mean(axis=1) for q in (self.at.w, self.at.ca[:, i]))

@@ -46,6 +46,7 @@ class Connector:
     a: int
     b: int
     symmetric: ClassVar[bool] = False
+    numbered: ClassVar[bool] = True  # among the connectors of a file; a load between bodies is not
 
     def points(self) -> tuple[Floats, Floats]:
         """Points of action on a and b (the reference)."""
@@ -54,6 +55,12 @@ class Connector:
     def pull(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet]:
         """Force and moment on a."""
         raise NotImplementedError
+
+    def wrench(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet, Jet]:
+        """Force on a, and the moments of it on a and, reversed, on b, about their centres."""
+        F, M = self.pull(a, b, t, m)
+        pa, pb = self.points()
+        return F, jets.cross(a.arm(pa), F) + M, jets.cross(b.arm(pb), F) + M
 
     def penalties(self) -> tuple[float, float]:
         return 0.0, 0.0
@@ -113,6 +120,23 @@ class ContractileForce(Between):
 
 
 @dataclass(eq=False)
+class AxialForce(ContractileForce):
+    """FEBio's "rigid_axial_force"."""
+
+    numbered = False
+
+
+@dataclass(eq=False)
+class Cable(AxialForce):
+    """A piece of a "rigid_cable"; the arms of its moments are those of the reference, as FEBio has them."""
+
+    def wrench(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet, Jet]:
+        F, _ = self.pull(a, b, t, m)
+        arms = self.insertion_a - a.body.centre, self.insertion_b - b.body.centre
+        return F, jets.cross(jets.constant(arms[0]), F), jets.cross(jets.constant(arms[1]), F)
+
+
+@dataclass(eq=False)
 class AngularDamper(Between):
     """M = c (w_b - w_a)."""
 
@@ -151,9 +175,7 @@ class Connectors(Action):
     def _forces(self, c: Connector) -> Jet:
         """Forces and moments (12,) on both bodies."""
         a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
-        F, M = c.pull(a, b, self.system.state.time, self._memory(c))
-        pa, pb = c.points()
-        Ma, Mb = jets.cross(a.arm(pa), F) + M, jets.cross(b.arm(pb), F) + M
+        F, Ma, Mb = c.wrench(a, b, self.system.state.time, self._memory(c))
         return Jet(
             np.concatenate([F.v, Ma.v, -F.v, -Mb.v]),  # type: ignore[list-item, operator]
             np.concatenate([F.d, Ma.d, -F.d, -Mb.d]),

@@ -7,7 +7,7 @@ L and U take these values until gap and angle are within tolerance. FEBio user m
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -65,6 +65,70 @@ class RigidJoint(Connector):
             return True
         m.force[:] = new
         return False
+
+
+@dataclass(eq=False)
+class GenericJoint(Connector):
+    """Up to six conditions: v . g + d_i = 0 of the gap g = a - b along a's axes v, and va . vb = cos(pi/2 + d_i).
+
+    ``given``: d_i, None where it is free: displacements along x, y, z of the reference, rotations about them (va and
+    vb the axes that follow, of a and of b). FEBio's "generic rigid joint", by penalty and augmented Lagrangian.
+    """
+
+    joint: Floats = field(default_factory=lambda: np.zeros(3))
+    given: tuple[Number | None, ...] = (None,) * 6
+    penalty: float = 1.0
+    tolerance: float = 0.0
+    laugon: int = 0
+
+    def points(self) -> tuple[Floats, Floats]:
+        return self.joint, self.joint
+
+    def penalties(self) -> tuple[float, float]:
+        return self.penalty, self.penalty
+
+    def _conditions(self, a: Frame, b: Frame, t: float) -> tuple[Jet, list[tuple[int, Jet, Jet, Jet]]]:
+        """The gap, and of each condition its number, the two vectors multiplied, and its value."""
+        a.alpha = b.alpha = 1.0
+        g = a.centre() + a.arm(self.joint) - b.centre() - b.arm(self.joint)
+        one, out = np.eye(3), []
+        for i, d in enumerate(self.given):
+            if d is None:
+                continue
+            v, w = a.vector(one[i if i < 3 else (i + 1) % 3]), g if i < 3 else b.vector(one[(i + 2) % 3])
+            rest = number(d, t) if i < 3 else -cos(0.5 * pi + number(d, t))
+            c = jets.dot(v, w)
+            out.append((i, v, w, Jet(c.v + rest, c.d)))
+        return g, out
+
+    def wrench(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet, Jet]:
+        F, Ma, Mb = jets.zero(), jets.zero(), jets.zero()
+        g, conditions = self._conditions(a, b, t)
+        multipliers = np.append(m.force, m.moment)
+        for i, v, w, c in conditions:
+            L = Jet(multipliers[i] + m.penalties[0] * c.v, m.penalties[0] * c.d)
+            if i < 3:
+                f = -v.scaled(L)
+                F, Ma = F + f, Ma + jets.cross(a.arm(self.joint) - g, f)
+                Mb = Mb + jets.cross(b.arm(self.joint), f)
+            else:
+                M = -jets.cross(v, w).scaled(L)
+                Ma, Mb = Ma + M, Mb + M
+        return F, Ma, Mb
+
+    def augment(self, system: System, done: int, m: Memory) -> bool:
+        """Renew the multipliers, as FEBio does each time; have they settled, where there is a ``tolerance``?"""
+        if self.laugon == 0:
+            return True
+        settled = True
+        a, b = Frame(system, self.a, 0), Frame(system, self.b, 6)
+        for i, _, _, c in self._conditions(a, b, system.state.time)[1]:
+            own, k = (m.force, i) if i < 3 else (m.moment, i - 3)
+            new = own[k] + m.penalties[0] * float(c.v)
+            if self.tolerance and abs(abs(new) - abs(own[k])) > self.tolerance * abs(new):
+                settled = False
+            own[k] = new
+        return settled
 
 
 @dataclass(eq=False)

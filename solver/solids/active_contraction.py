@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -39,11 +40,11 @@ class ActiveContraction(Solid):
     beta: Number = 0.0
     l0: Number = 0.0
     refl: Number = 0.0
-    parameters = ("ascl", "Tmax", "ca0", "camax", "beta", "l0", "refl")
+    parameters: ClassVar[tuple[str, ...]] = ("ascl", "Tmax", "ca0", "camax", "beta", "l0", "refl")
 
     def add(self, pts: Points, a0: Floats, s: Floats, c: Floats | None) -> None:
         """Add the active stress along ``a0`` (1|n, 3)."""
-        ascl, Tmax, ca0, camax, beta, l0, refl = self.par(pts).T[:, :, None]
+        ascl, Tmax, ca0, camax, beta, l0, refl = self.par(pts).T[:7, :, None]
         In = np.empty((pts.n, 1))
         squared_stretch(pts.F, pts.J, a0[:, None], False, In)
         J = pts.J[:, None]
@@ -55,6 +56,23 @@ class ActiveContraction(Solid):
         add_fibers(
             pts.F, pts.J, a0[:, None], np.ones((1, 1)), In, J * T, cn, np.empty((0, 0)), False, s, wanted(c)
         )
+
+
+@dataclass(eq=False)
+class ForceVelocity(ActiveContraction):
+    """The same tension: what it should lose as the fiber shortens is none in FEBio 4.11, whose stretch before a step is
+    that of its last iteration. Estrada et al., J. Biomech. Eng. 141 (2019) 101007."""
+
+    alpha1: Number = 0.0
+    alpha2: Number = 0.0
+    alpha3: Number = 0.0
+    A1: Number = 0.0
+    A2: Number = 0.0
+    A3: Number = 0.0
+    a_t: Number = 0.0
+    force_velocity: int = 1
+    parameters = (*ActiveContraction.parameters, "alpha1", "alpha2", "alpha3", "A1", "A2", "A3", "a_t")
+    options = ("force_velocity",)
 
 
 @dataclass(eq=False)
@@ -80,3 +98,4 @@ class UncoupledActiveContraction(Uncoupled):
 register(UncoupledActiveContraction, "uncoupled active contraction")
 register(ActiveContraction, "active_contraction", "active")
 register(ActiveContraction, "uncoupled active_contraction", "active")
+register(ForceVelocity, "force-velocity-Estrada", "active")

@@ -34,11 +34,20 @@ class FourthInvariant(Solid):
         """W1, W2, W4, W5 and, where compressible, WJ."""
         raise NotImplementedError
 
-    def _cauchy(self, pts: Points) -> Floats:
-        a0, W, s = directions(self.fiber, pts), np.zeros((pts.n, 5)), np.empty((pts.n, 6))
-        for k, w in enumerate(self.derivatives(pts, invariants(pts, a0, self.iso))):
+    def second(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
+        """W11, W14, W15, W44, W45, W55, of a law without I2 and J; empty where the tangent is taken by differences."""
+        return ()
+
+    def _first(self, pts: Points, i: dict[str, Floats]) -> Floats:
+        """:meth:`derivatives` as columns (n, 5)."""
+        W = np.zeros((pts.n, 5))
+        for k, w in enumerate(self.derivatives(pts, i)):
             W[:, k] = w
-        fiber_stress(pts.F, pts.J, a0, self.iso, W, s)
+        return W
+
+    def _cauchy(self, pts: Points) -> Floats:
+        a0, s = directions(self.fiber, pts), np.empty((pts.n, 6))
+        fiber_stress(pts.F, pts.J, a0, self.iso, self._first(pts, invariants(pts, a0, self.iso)), s)
         return s
 
     def _tangent(self, pts: Points) -> Floats:
@@ -46,9 +55,21 @@ class FourthInvariant(Solid):
 
     def _add(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
-        s += self._cauchy(within)
-        if c is not None:
+        a0, own = directions(self.fiber, within), np.empty((pts.n, 6))
+        i = invariants(within, a0, self.iso)
+        W = self._first(within, i)
+        fiber_stress(within.F, within.J, a0, self.iso, W, own)
+        s += own
+        if c is None:
+            return
+        second = self.second(within, i)
+        if not second:
             c += self._tangent(within)
+            return
+        H = np.empty((pts.n, 6))
+        for k, w in enumerate(second):
+            H[:, k] = w
+        fiber_tangent(within.F, within.J, a0, self.iso, W, H, c)
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         self._add(pts, s, c)
@@ -60,28 +81,8 @@ class UncoupledFourthInvariant(FourthInvariant, Uncoupled):
 
     iso = True
 
-    def second(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
-        """W11, W14, W15, W44, W45, W55, of a law without I2; empty where the tangent is taken by differences."""
-        return ()
-
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        within = self.inner(pts)
-        a0, W, own = directions(self.fiber, within), np.zeros((pts.n, 5)), np.empty((pts.n, 6))
-        i = invariants(within, a0, True)
-        for k, w in enumerate(self.derivatives(within, i)):
-            W[:, k] = w
-        fiber_stress(within.F, within.J, a0, True, W, own)
-        s += own
-        if c is None:
-            return
-        second = self.second(within, i)
-        if not second:
-            c += self._tangent(within)
-            return
-        H = np.empty((pts.n, 6))
-        for k, w in enumerate(second):
-            H[:, k] = w
-        fiber_tangent(within.F, within.J, a0, W, H, c)
+        self._add(pts, s, c)
 
     stress = Uncoupled.stress
     energy = Uncoupled.energy

@@ -17,6 +17,23 @@ from .neo_hookean import NeoHookean
 from .registry import register
 
 
+def peak_of(pts: Points, at: int, W: Floats) -> Floats:
+    """The largest (2 W)^1/2 so far (n,), kept in column ``at`` of the history."""
+    peak = np.sqrt(2.0 * np.abs(W))
+    if pts.old is not None:
+        peak = np.maximum(peak, pts.old[:, at])
+    if pts.new is not None:
+        pts.new[:, at] = peak
+    return peak
+
+
+def quartic(peak: Floats, beta: Floats, smin: Floats, smax: Floats) -> Floats:
+    """g = 1 - (1 - beta + beta x^2) x^2, x = (peak - smin) / (smax - smin); 1 below smin, 0 above smax."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # smin = smax: all at once
+        x2 = ((peak - smin) / (smax - smin)) ** 2
+    return np.where(peak < smin, 1.0, np.where(peak > smax, 0.0, 1.0 - (1.0 - beta + beta * x2) * x2))
+
+
 @dataclass(eq=False)
 class _Softened(Solid):
     """g(peak) times the undamaged solid, peak the largest (2 W)^1/2 so far.
@@ -33,12 +50,7 @@ class _Softened(Solid):
         raise NotImplementedError
 
     def _largest(self, pts: Points, W: Floats) -> Floats:
-        at, peak = self.offset, np.sqrt(2.0 * np.abs(W))
-        if pts.old is not None:
-            peak = np.maximum(peak, pts.old[:, at])
-        if pts.new is not None:
-            pts.new[:, at] = peak
-        return peak
+        return peak_of(pts, self.offset, W)
 
     def _add(self, pts: Points, W: Floats, s: Floats, c: Floats | None, stress: object) -> None:
         """Add g times the stress and tangent that ``stress`` adds."""
@@ -76,7 +88,7 @@ class DamagedNeoHookean(_Softened, NeoHookean):
 
 @dataclass(eq=False)
 class DamagedMooneyRivlin(_Softened, MooneyRivlin):
-    """g = 1 - (1 - beta + beta x^2) x^2, x = (peak - smin) / (smax - smin); 1 below smin, 0 above smax."""
+    """g as :func:`quartic` has it."""
 
     beta: Number = 0.1
     smin: Number = 0.0
@@ -84,10 +96,7 @@ class DamagedMooneyRivlin(_Softened, MooneyRivlin):
     parameters = ("c1", "c2", "beta", "smin", "smax")
 
     def reduction(self, pts: Points, peak: Floats) -> Floats:
-        beta, smin, smax = self.par(pts).T[2:]
-        with np.errstate(divide="ignore", invalid="ignore"):  # smin = smax: all at once
-            x2 = ((peak - smin) / (smax - smin)) ** 2
-        return np.where(peak < smin, 1.0, np.where(peak > smax, 0.0, 1.0 - (1.0 - beta + beta * x2) * x2))
+        return quartic(peak, *self.par(pts).T[2:])
 
     def dev(self, pts: Points, s: Floats, c: Floats | None) -> None:
         self._add(pts, MooneyRivlin.dev_energy(self, pts), s, c, super().dev)

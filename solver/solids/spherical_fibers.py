@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from ..points import Points
 from .base import Floats, Number, Solid
+from .bound import Bound
 from .ellipsoidal_fibers import _octants
 from .fiber_exp_pow import _ExpPow
 from .registry import register
@@ -20,7 +22,7 @@ class SphericalFibers(_ExpPow, Solid):
     alpha: Number = 0.0
     beta: Number = 2.0
     ksi: Number = 0.0
-    parameters = ("alpha", "beta", "ksi")
+    parameters: ClassVar[tuple[str, ...]] = ("alpha", "beta", "ksi")
     _eps = float(np.finfo(float).tiny)  # a fiber at rest does not count
 
     def _five(self, pts: Points) -> Floats:
@@ -39,4 +41,21 @@ class SphericalFibers(_ExpPow, Solid):
         return self.sum_energy(pts, *self._family(pts))
 
 
+@dataclass(eq=False)
+class SphericalFibersBound(Bound, SphericalFibers):
+    """ksi = ksi0 (rho / rho0)^gamma. FEBio User Manual, "spherical fiber distribution sbm"."""
+
+    ksi0: Number = 0.0
+    rho0: Number = 1.0
+    gamma: Number = 0.0
+    sbm: int | str = 0
+    parameters = ("alpha", "beta", "ksi0", "rho0", "gamma")
+
+    def _five(self, pts: Points) -> Floats:
+        alpha, beta, ksi0 = self.par(pts)[:, :3].T
+        ksi = ksi0 * self.factor(pts)
+        return np.stack(np.broadcast_arrays(alpha, beta, beta * ksi, 0.0, 1.0), axis=1)
+
+
 register(SphericalFibers, "spherical fiber distribution")
+register(SphericalFibersBound, "spherical fiber distribution sbm")

@@ -28,6 +28,15 @@ TABLES: dict[str, dict[str, str]] = {
         "fiber neo-Hookean": "active_neo_hookean:SphericalActiveNeoHookean",
         "2D trans iso Veronda-Westmann": "planar_fibers:PlanarFibersVerondaWestmann",
         "spherical fiber distribution": "spherical_fibers:SphericalFibers",
+        "spherical fiber distribution sbm": "spherical_fibers:SphericalFibersBound",
+        "damage fiber power": "damage_fibers:DamagedFiberPower",
+        "damage fiber exponential": "damage_fibers:DamagedFiberExponential",
+        "damage fiber exp-linear": "damage_fibers:DamagedFiberExpLinear",
+        "damage trans iso Mooney-Rivlin": "damage_trans_iso:DamagedTransIso",
+        "von-Mises plasticity": "von_mises:VonMisesPlasticity",
+        "reactive fatigue": "reactive_fatigue:ReactiveFatigue",
+        "uncoupled reactive fatigue": "reactive_fatigue:UncoupledReactiveFatigue",
+        "reactive viscoelastic fatigue": "reactive_fatigue:ReactiveViscoelasticFatigue",
         "neo-Hookean": "neo_hookean:NeoHookean",
         "isotropic elastic": "isotropic_elastic:IsotropicElastic",
         "St.Venant-Kirchhoff": "st_venant_kirchhoff:StVenantKirchhoff",
@@ -171,6 +180,7 @@ TABLES: dict[str, dict[str, str]] = {
     "active": {
         "active_contraction": "active_contraction:ActiveContraction",
         "uncoupled active_contraction": "active_contraction:ActiveContraction",
+        "force-velocity-Estrada": "active_contraction:ForceVelocity",
     },
     "recruitment": {
         "recruitment power": "recruitments:Power",

@@ -38,7 +38,7 @@ def test_an_invented_type_is_refused(kind):
 @pytest.mark.parametrize(("kind", "name", "solved"), [
     ("material", "neo-Hookean", True), ("material", "multiphasic", True), ("load", "pressure", True),
     ("load", "surface attraction", False), ("contact", "sliding-elastic", True), ("contact", "mortar-tied", False),
-    ("element", "hex20", True), ("element", "tri7", False), ("permeability", "perm-Holmes-Mow", True),
+    ("element", "hex20", True), ("element", "tri10", False), ("permeability", "perm-Holmes-Mow", True),
     ("solver", "solid", True), ("solver tag", "cgmethod", False), ("mesh adaptor", "mmg_remesh", False),
 ])  # fmt: skip
 def test_what_is_solved(kind, name, solved):

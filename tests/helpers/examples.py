@@ -58,7 +58,21 @@ _SECANT = "its tangent is by forward differences"
 _ACTIVE = "FEBio's tangent leaves the active tension out"
 _GROWTH = "its tangent leaves out the growth of damage"
 
+_TIRED = ("reactive fatigue", "uncoupled reactive fatigue", "reactive viscoelastic fatigue")
+_DAMAGE = dict(
+    t0=0.25, Dmax=0.8, beta_s=20.0, gamma_max=3.0, D2_a=0.02, D2_b=0.7, D2_c=0.05, D2_d=0.4, D3_inf=0.9, D3_g0=0.1,
+    D3_rg=0.2, fiber=direction,
+)  # fmt: skip
+
 SIMPLE = {
+    "damage fiber power": dict(a1=1.2, a2=2.4, kappa=0.2, **_DAMAGE),
+    "damage fiber exponential": dict(k1=1.2, k2=0.4, kappa=0.1, **_DAMAGE),
+    "damage fiber exp-linear": dict(c3=1.2, c4=4.0, c5=3.0, lambda_=1.1, **_DAMAGE),
+    "damage trans iso Mooney-Rivlin": dict(
+        c1=1.0, c2=0.2, c3=0.7, c4=0.9, Mbeta=0.3, Msmin=0.05, Msmax=2.0, Fbeta=0.4, Fsmin=0.02, Fsmax=1.5, k=10.0
+    ),
+    "von-Mises plasticity": dict(E=2.0, v=0.3, Y=0.1, H=0.3),
+    "spherical fiber distribution sbm": dict(alpha=0.5, beta=2.3, ksi0=1.2, rho0=0.7, gamma=1.5),
     "damage neo-Hookean": dict(E=2.0, v=0.3, a=0.4, b=0.3),
     "damage Mooney-Rivlin": dict(c1=1.0, c2=0.2, beta=0.3, smin=0.05, smax=2.0, k=10.0),
     "Carreau-Yasuda viscous solid": dict(mu0=1.5, mui=0.2, lambda_=0.9, n=0.6, a=2.4),
@@ -200,6 +214,13 @@ def _damaged(name="elastic damage", part=neo_hookean, **kw):
     return solid(name, elastic=part(), damage=_cdf(), criterion=of("criterion", "DC Simo"), **kw)
 
 
+def _fatigue(name="reactive fatigue", part=neo_hookean, **kw):
+    return solid(
+        name, elastic=part(), k0=0.4, beta=0.3, elastic_damage=_cdf(), elastic_criterion=of("criterion", "DC Simo"),
+        fatigue_damage=of("cdf", "CDF Weibull", alpha=1.5, mu=0.3), fatigue_criterion=of("criterion", "DC Simo"), **kw,
+    )  # fmt: skip
+
+
 def _volume():
     """Eight elements, each other one stiff, whose inner node is off the middle."""
     X, conn = scenes.grid((2, 2, 2))
@@ -263,6 +284,15 @@ COMPOSITE = {
     ),
     "elastic damage": _damaged,
     "uncoupled elastic damage": lambda: _damaged("uncoupled elastic damage", mooney_rivlin, k=5.0),
+    "reactive fatigue": _fatigue,
+    "uncoupled reactive fatigue": lambda: _fatigue("uncoupled reactive fatigue", mooney_rivlin, k=5.0),
+    "reactive viscoelastic fatigue": lambda: solid(
+        "reactive viscoelastic fatigue",
+        viscoelastic=solid(
+            "reactive viscoelastic", elastic=_fatigue(), bond=neo_hookean(),
+            relaxation=of("relaxation", "relaxation-exponential", tau=0.5),
+        ),
+    ),
     "reactive plasticity": lambda: _plastic("reactive plasticity"),
     "reactive plastic damage": lambda: _plastic(
         "reactive plastic damage",
@@ -387,6 +417,10 @@ def example(name):
 
 #: energies that do not belong to the stress, in FEBio either, or are of dissipative laws
 NO_ENERGY_LAW = {
+    **dict.fromkeys(("damage fiber power", "damage fiber exponential", "damage fiber exp-linear"), "damage grows"),
+    "damage trans iso Mooney-Rivlin": "damage",
+    "von-Mises plasticity": "it has no energy",
+    **dict.fromkeys(_TIRED, "damage grows"),
     "Carreau-Yasuda viscous solid": "viscous",
     "damage neo-Hookean": "damage",
     "damage Mooney-Rivlin": "damage",
@@ -429,6 +463,9 @@ NO_ENERGY_LAW = {
 NO_TANGENT_LAW = {
     "damage neo-Hookean": _GROWTH,
     "damage Mooney-Rivlin": _GROWTH,
+    "damage trans iso Mooney-Rivlin": _GROWTH,
+    "von-Mises plasticity": "it is of small strains",
+    **dict.fromkeys(_TIRED, _GROWTH),
     "Carreau-Yasuda viscous solid": _HISTORY,
     "active fiber stress": "FEBio's tangent takes the rate's slope for one of the stretch",
     "uncoupled active contraction": _ACTIVE,
@@ -447,9 +484,18 @@ NO_TANGENT_LAW = {
     "fiber-CDF-uncoupled": _HISTORY,
 }
 
+#: laws that are not objective, FEBio's neither
+NOT_OBJECTIVE = {
+    "Newtonian viscous solid": "its rate of deformation is by differences in time",
+    "Newtonian viscous solid uncoupled": "its rate of deformation is by differences in time",
+    "Carreau-Yasuda viscous solid": "its rate of deformation is by differences in time",
+    "von-Mises plasticity": "it is of small strains",
+}
+
 #: stressed in the reference configuration
 STRESSED_AT_REST = {
     "spherical fiber distribution",  # its directions are given to eight digits
+    "spherical fiber distribution sbm",
     "active fiber stress",
     "uncoupled active fiber stress",
     "osmotic virial expansion",

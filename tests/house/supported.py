@@ -65,11 +65,13 @@ def lists() -> str:
 def beside() -> str:
     """Markdown of FEBio's types by kind, those that febkit solves and those that it does not."""
     from febkit.census import census
+    from febkit.model.reasons import reason
 
     out = []
     for kind, entries in groupby(census(), lambda e: e.kind):
         found = sorted(entries, key=lambda e: e.name.lower())
         has, lacks = ([e.name for e in found if e.solved is said] for said in (True, False))
+        lacks = [f"{n} ({reason(n)})" if reason(n) else n for n in lacks]
         out += [f"### {kind}: {len(has)} of {len(found)}", ""]
         out += [f"Solved: {_listed(has)}", "", f"Not: {_listed(lacks)}", ""]
     return "\n".join(out).rstrip()

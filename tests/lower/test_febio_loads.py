@@ -26,6 +26,7 @@ PULL += "</surface_load>"
 GAS = '<surface_load type="ideal gas pressure" surface="s"><P0>0.3</P0></surface_load>'
 WAVE = '"math-interval"><math>sin(3*t)</math><interval>{},0.5</interval><left_extend>{}</left_extend>'
 WAVE += "<right_extend>{}</right_extend>"
+PID = '"PID" name="c"><var>fem.mesh.node[6].position.z</var><target>1.5</target><Kp>0.8</Kp><Ki>0.6</Ki><Kd>0.05</Kd>'
 CASES = {  # loads, controller, displacement of node 7 in FEBio
     "gas": (GAS + PULL, RAMP, (0.15654364, 0.09164194, 0.13567741)),
     "axial": (
@@ -35,6 +36,13 @@ CASES = {  # loads, controller, displacement of node 7 in FEBio
     "radial": (
         '<body_load type="radial force"><p>1.5</p><c>0,0.2,0.1</c><sx lc="1">0.5</sx><sy lc="1">0.7</sy>'
         '<sz lc="1">0.4</sz></body_load>', RAMP, (-0.18124822, -0.16129735, 0.085400626)),
+    "pressure Robin": (
+        PULL + '<surface_load type="pressure Robin BC" surface="t"><spring_eps>0.8</spring_eps></surface_load>',
+        RAMP, (0.092703998, 0.038194418, 0.039523959)),
+    "traction Robin": (
+        PULL + '<surface_load type="traction Robin BC" surface="t"><spring_eps>0.8</spring_eps></surface_load>',
+        RAMP, (0.046987712, 0.016089424, 0.068894669)),
+    "PID": (PULL, PID, (0.046364315, 0.018505996, 0.017431399)),
     "zero, repeat": (PULL, WAVE.format(0.1, "zero", "repeat"), (0.062086586, 0.024632743, 0.027022082)),
     "repeat, constant": (PULL, WAVE.format(0.3, "repeat", "constant"), (0.097187608, 0.03789426, 0.057799492)),
 }  # fmt: skip
@@ -54,6 +62,49 @@ def test_displacements_are_febios(name, tmp_path):
     result = febkit.solve(tmp_path / "block.feb")
     assert result.converged, result.reason
     np.testing.assert_allclose(result.state.u[6], u, rtol=1e-6)
+
+
+AZIMUTH = '<constraint type="azimuth constraint" node_set="z"><penalty>3</penalty>{}</constraint>'
+CORNERS = [(0.3, 0.3), (0.8, 0.3), (0.8, 0.7), (0.3, 0.7)]
+CONSTRAINTS = {  # constraints, displacements of nodes in FEBio
+    "azimuth": (AZIMUTH.format(""), {7: (0.07058873, 0.049922388, 0.073102608)}),
+    "azimuth, augmented": (
+        AZIMUTH.format("<laugon>AUGLAG</laugon><augtol>0.01</augtol>"), {7: (0.054705836, 0.059561029, 0.078768477)},
+    ),
+    "point": (
+        "".join(f'<constraint type="point"><penalty>30</penalty><node>{k}</node></constraint>' for k in range(9, 17)),
+        {7: (0.092321403, 0.033294648, 0.053856555), 15: (0.070084408, 0.03116191, 0.067242734)},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CONSTRAINTS)
+def test_constraints_of_nodes_are_febios(name, tmp_path):
+    """Of two nodes above; of a smaller block within, each node of which stays where it is in the larger one."""
+    constraints, nodes = CONSTRAINTS[name]
+    text = deck(PULL, RAMP).replace("<LoadData>", f"<Constraints>{constraints}</Constraints><LoadData>")
+    text = text.replace("<NodeSet", '<NodeSet name="z">6,7</NodeSet><NodeSet', 1)
+    if 15 in nodes:
+        points = enumerate(((x, y, z) for z in (0.4, 0.9) for x, y in CORNERS), 9)
+        within = "".join(f'<node id="{k}">{x},{y},{z}</node>' for k, (x, y, z) in points)
+        text = text.replace("</Nodes>", f"{within}</Nodes>")
+        own = '<Elements type="hex8" name="q"><elem id="2">9,10,11,12,13,14,15,16</elem></Elements>'
+        text = text.replace("</Elements>", f"</Elements>{own}")
+        text = text.replace("</MeshDomains>", '<SolidDomain name="q" mat="m"/></MeshDomains>')
+    (tmp_path / "block.feb").write_text(text)
+    result = febkit.solve(tmp_path / "block.feb")
+    assert result.converged, result.reason
+    for node, u in nodes.items():
+        np.testing.assert_allclose(result.state.u[node - 1], u, rtol=1e-6)
+
+
+def test_a_controller_by_feedback_is_written(tmp_path):
+    (tmp_path / "block.feb").write_text(deck(PULL, PID))
+    data = febkit.read(tmp_path / "block.feb").solve(variables=["pid controller"]).dataset["pid_controller"]
+    measured, error, output = data.values.T
+    assert list(data.coords["pid_controller_item"].values) == ["measurement", "error", "output"]
+    np.testing.assert_allclose(error, 1.5 - measured, rtol=1e-6)
+    np.testing.assert_allclose(output[-1], 0.40069887, rtol=1e-6)  # FEBio's
 
 
 def test_an_interval_must_grow(tmp_path):

@@ -78,6 +78,17 @@ def test_a_bath_of_the_tissue_s_osmotic_coefficient(tmp_path: Path) -> None:
     assert p[-4:] == pytest.approx(0.3 - 0.8 * R * T * 50.0, rel=1e-6)
 
 
+def test_the_load_fluid_pressure_is_febios(tmp_path: Path) -> None:
+    """It takes the whole parts of R and T, here 1 and 3."""
+    load = '<surface_load type="fluid pressure" surface="{}"><pressure{}</pressure></surface_load>'
+    loads = "<Loads>" + load.format("in", ' lc="1">0.7') + load.format("out", ">0") + "</Loads>"
+    text = driven(loads).replace(actual("in", 0.7), "").replace(actual("out", 0.0), "")
+    text = text.replace("<osmcoef>1<", "<osmcoef>0.9<").replace(f"<T>{T}</T><R>{R}</R>", "<T>3.5</T><R>1.25</R>")
+    last = solve(text, tmp_path).isel(time=-1)
+    p, c = last["effective_fluid_pressure"].values, last["effective_solute_concentration"].sel(solute="Glc").values
+    np.testing.assert_allclose([p[0], p[-1], c[-1]], [-2.0391326, -3.3456643, 1.2568377], rtol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

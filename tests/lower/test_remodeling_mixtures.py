@@ -15,6 +15,9 @@ FIBER = '<fiber type="vector">0,0,1</fiber><rho0>0.3</rho0><gamma>1.5</gamma><sb
 POWER = f'<solid type="fiber-exp-pow sbm"><alpha>1.2</alpha><beta>2.5</beta><ksi0>3</ksi0>{FIBER}</solid>'
 LINEAR = f'<solid type="fiber-pow-linear sbm"><E0>4</E0><lam0>1.04</lam0><beta>2.4</beta>{FIBER}</solid>'
 
+SPHERE = """<solid type="spherical fiber distribution sbm"><alpha>0.8</alpha><beta>2.4</beta><ksi0>3</ksi0>
+<rho0>0.3</rho0><gamma>1.5</gamma><sbm>CS</sbm></solid>"""
+
 
 def mixed(fibers: str) -> str:
     return f'<solid type="solid mixture">{MATRIX}{fibers}</solid>'
@@ -32,6 +35,9 @@ MODELS = {
     "Huiskes": (CARTER, HUISKES),
     "exp-sed": (CARTER, reaction('type="exp-sed reaction rate"><B>5e-3</B><Psi0>0.02</Psi0>', "vP")),
     "Huiskes of fibers": (mixed(LINEAR), HUISKES),
+    "of fibers in all directions": (
+        mixed(SPHERE), reaction('type="constant reaction rate"><k>0.05</k>', "vP"),
+    ),
     "Ruberti": (mixed(POWER), reaction('type="Ruberti reaction rate"><kd>0.3</kd><sigma>0.05</sigma>', "vR")),
 }
 
@@ -41,6 +47,7 @@ FEBIO = {
     "Huiskes": ([0.21244094, 0.21343912], [-0.015092704, -0.015092704, 0.073457062]),
     "exp-sed": ([0.22983976, 0.2305253], [-0.015091022, -0.015091022, 0.07332693]),
     "Huiskes of fibers": ([0.2157874, 0.21586525], [-0.0062551429, -0.0062551429, 0.074947298]),
+    "of fibers in all directions": ([0.33950147, 0.31609645], [-0.070531234, -0.070531234, 0.065201953]),
     "Ruberti": ([0.17579982, 0.1758247], [-0.0056842696, -0.0056842696, 0.074976072]),
 }
 

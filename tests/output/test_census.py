@@ -9,18 +9,11 @@ import pytest
 
 from febkit.feb import features
 from febkit.output import plot
-from febkit.output.records import bodies, connectors, elements, faces, nodes, surfaces
+from febkit.output.records.known import known
 from febkit.results.variables import VARIABLES, unit_symbol
 
 # reason -> names
 PLOT: dict[str, str] = {
-    "materials of this kind (damage fiber ...) are not solved": """
-    continuous damage; continuous damage D1; continuous damage D2; continuous damage D2beta; continuous damage D3;
-    continuous damage Ds; continuous damage P; continuous damage Psi0; continuous damage beta; continuous damage gamma
-    """,
-    "mortar and edge contact are not solved": "mortar-gap; edge contact gap",
-    "loads and controllers of these names are not solved": "ideal gas pressure; pid controller",
-    "multiscale materials are not solved": "G norm; PK1 norm; QK1 norm; micro energy",
     "FEBio's fluid modules": """
     dilatation gradient; elastic fluid pressure; fluid acceleration; fluid body force; fluid bulk modulus;
     fluid density; fluid density rate; fluid dilatation; fluid element angular momentum; fluid element center
@@ -45,10 +38,6 @@ LOG: dict[str, str] = {
     fsyy; fsyz; fszz; fvx; fvy; fvz; fwx; fwy; fwz; fx; fy; fz; nfvx; nfvy; nfvz
     """,
 }
-# data of domains and of the model, and functions: tests/output/test_records.py
-ELSEWHERE = {"_math", "avg", "integrate", "pct", "max contact gap", "normalized internal energy", "solution_norm",
-             "total energy"}  # fmt: skip
-
 
 def names(table: dict[str, str]) -> set[str]:
     return {" ".join(n.split()) for text in table.values() for n in text.split(";")}
@@ -61,20 +50,14 @@ def test_a_plot_variable_is_there_or_has_a_reason(name: str) -> None:
     assert not (there and told), f'"{name}" is computed, though a reason is given why not'
 
 
-def _item(name: str) -> bool:
-    tables = (elements.datum, bodies.datum, connectors.datum)
-    nodal = (name[-1] in "xyz" and name[:-1] in nodes.VECTORS) or name in {*nodes.ALIASES, *nodes.REACTIONS}
-    of_constraints = name in connectors.VOLUMES
-    return nodal or of_constraints or any(f(name) for f in tables) or name in {*faces.ITEMS, *surfaces.ITEMS}
-
-
-@pytest.mark.parametrize("name", sorted(set(features.table()["log"]) - ELSEWHERE))
+@pytest.mark.parametrize("name", sorted(features.table()["log"]))
 def test_a_log_item_is_there_or_has_a_reason(name: str) -> None:
-    there, told = _item(name), name in names(LOG)
+    there, told = known(name), name in names(LOG)
     assert there or told, f'"{name}" is not computed, and nothing here says why'
     assert not (there and told), f'"{name}" is computed, though a reason is given why not'
 
 
 def test_what_has_no_unit_depends_on_the_model() -> None:
     without = {n for n in VARIABLES if plot.find(n) is not None and not unit_symbol(n)}
-    assert without == {"field", "parameter", "mesh_data", "contact penalty", "scalar surface load", "RVE strain"}
+    assert without == {"field", "parameter", "mesh_data", "contact penalty", "pid controller", "scalar surface load",
+                       "RVE strain"}  # fmt: skip

@@ -9,7 +9,7 @@ import pytest
 
 from febkit.solver.fields import DISPLACEMENT, Layout
 from febkit.solver.group import Group
-from febkit.solver.loads import springs
+from febkit.solver.loads import azimuth, springs
 from febkit.solver.loads.nodal import NodalForce
 from febkit.solver.problem import Fixed, NewtonOptions, Problem, Step
 from febkit.solver.run import run
@@ -97,6 +97,8 @@ LAWS: dict[str, tuple[Any, dict[str, Any]]] = {
     "by elongation": (springs.NonlinearSprings, {"force": CURVE, "scale": 2.0}),
     "by strain": (springs.NonlinearSprings, {"force": CURVE, "measure": "strain"}),
     "by stretch": (springs.NonlinearSprings, {"force": CURVE, "measure": "stretch"}),
+    "experimental": (springs.ExperimentalSprings, {"E": 2.0, "sM": 1.3, "sm": 0.7}),
+    "torsion": (springs.TorsionSprings, {"r": 1.5}),
     "muscle": (
         springs.HillMuscles,
         {"ac": 0.6, "Fmax": 5.0, "Ksh": 2.0, "Vmax": 3.0, "Ftl": lambda s: 1 - (s - 1) ** 2, "Fvl": lambda v: 1 + v},
@@ -104,39 +106,78 @@ LAWS: dict[str, tuple[Any, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_springs_pull_along_their_line(name: str) -> None:
-    X = RNG.normal(size=(5, 3))
-    rest = np.linalg.norm(X[PAIRS[:, 1]] - X[PAIRS[:, 0]], axis=1)
-    cls, fields = LAWS[name]
-    load = cls(PAIRS, rest, **fields)
+def moved(X: np.ndarray) -> State:
     zero = [np.zeros_like(X) for _ in range(5)]
     u, u_old = 0.2 * RNG.normal(size=X.shape), 0.1 * RNG.normal(size=X.shape)
-    s = State(Layout([DISPLACEMENT]), X, u, u_old, *zero, time=1.0, dt=0.4)
+    return State(Layout([DISPLACEMENT]), X, u, u_old, *zero, time=1.0, dt=0.4)
 
-    def forces() -> np.ndarray:
-        R = np.zeros_like(s.d)
-        load.residual(s, R)
-        return R.ravel()
 
-    R = forces().reshape(-1, 3)
-    np.testing.assert_allclose(R.sum(axis=0), 0.0, atol=1e-13)
-    np.testing.assert_allclose(np.cross(s.x, R).sum(axis=0), 0.0, atol=1e-13)
-    got, exact = np.zeros((15, 15)), np.zeros((15, 15))
-    for K, nodes, columns in load.stiffness(s):
-        for k, n in zip(K, nodes, strict=True):
-            got[np.ix_(n * 3 + columns, n * 3 + columns)] += k
-    for k in range(15):
+def forces(load: Any, s: State) -> np.ndarray:
+    R = np.zeros_like(s.d)
+    load.residual(s, R)
+    return R
+
+
+def differences(s: State, value: Any) -> np.ndarray:
+    """Minus the derivatives of a value (k,) by the displacements (k, n)."""
+    out = []
+    for k in range(s.d.size):
         parts = []
         for h in (1e-6, -1e-6):
             s.d.flat[k] += h
-            parts.append(forces())
+            parts.append(value())
             s.d.flat[k] -= h
-        exact[:, k] = -(parts[0] - parts[1]) / 2e-6
+        out.append(-(parts[0] - parts[1]) / 2e-6)
+    return np.array(out).T
+
+
+def check_tangent(load: Any, s: State) -> np.ndarray:
+    got = np.zeros((s.d.size, s.d.size))
+    for K, nodes, columns in load.stiffness(s):
+        for k, n in zip(K, nodes, strict=True):
+            got[np.ix_(n * 3 + columns, n * 3 + columns)] += k
+    exact = differences(s, lambda: forces(load, s).ravel())
     np.testing.assert_allclose(got, exact, atol=1e-6)
-    assert np.abs(exact).max() > 0.1 and sorted(load.joins) == [0, 1, 2, 3, 4]
+    assert np.abs(exact).max() > 0.1
     if load.symmetric:
         np.testing.assert_allclose(got, got.T, atol=1e-12)
+    return got
+
+
+@pytest.mark.parametrize("name", [*LAWS, "composite"])
+def test_springs(name: str) -> None:
+    """They neither push nor turn the whole, and are as their energy and tangent say."""
+    X = RNG.normal(size=(5, 3))
+    rest = np.linalg.norm(X[PAIRS[:, 1]] - X[PAIRS[:, 0]], axis=1)
+    if name == "composite":
+        parts = tuple(LAWS[k][0](PAIRS, rest, **LAWS[k][1]) for k in ("linear", "experimental", "torsion"))
+        load: springs.Springs = springs.CompositeSprings(PAIRS, rest, parts=parts)
+    else:
+        load = LAWS[name][0](PAIRS, rest, **LAWS[name][1])
+    s = moved(X)
+    R = forces(load, s)
+    np.testing.assert_allclose(R.sum(axis=0), 0.0, atol=1e-13)
+    if name not in ("torsion", "composite"):  # those keep their direction in space
+        np.testing.assert_allclose(np.cross(s.x, R).sum(axis=0), 0.0, atol=1e-13)
+    check_tangent(load, s)
+    assert sorted(load.joins) == [0, 1, 2, 3, 4]
+    if load.energies(s).any():
+        np.testing.assert_allclose(differences(s, lambda: load.energies(s).sum()), R.ravel(), atol=1e-8)
+    else:
+        assert name in ("by elongation", "by strain", "by stretch", "muscle")
+
+
+def test_an_azimuth_is_held_by_its_multipliers() -> None:
+    X = np.vstack([RNG.normal(size=(3, 3)), [(1.0, 2.0, 3.0)]])
+    s, load = moved(X), azimuth.Azimuth(np.array([0, 2, 3]), penalty=2.0, laugon=True)
+    R = forces(load, s)
+    assert not R[1].any() and not R[:, 2].any() and abs(R).max() > 0.01
+    np.testing.assert_allclose((R * s.x)[:, :2].sum(axis=1), 0.0, atol=1e-13)  # no force along the radius
+    assert not load.augment(0, s) and load.multipliers.any()
+    check_tangent(load, s)
+    s.d[:] = 0.3 * X
+    load.begin(s, [])
+    np.testing.assert_allclose(forces(load, s), 0.0, atol=1e-13)
 
 
 def test_a_node_on_springs_alone_finds_its_place() -> None:

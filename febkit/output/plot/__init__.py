@@ -81,13 +81,18 @@ FILES: dict[str, tuple[str, ...]] = {
         "damage", "intact bond fraction", "yielded bond fraction", "fatigue bond fraction",
         "octahedral plastic strain", "plasticity heat supply density", "plastic yield stress", "RVE generations",
         "RVE reforming bonds", "RVE recruitment", "RVE strain", "strong bond SED", "weak bond SED",
-        "deviatoric strong bond SED", "deviatoric weak bond SED",
+        "deviatoric strong bond SED", "deviatoric weak bond SED", "continuous damage", "continuous damage D1",
+        "continuous damage Ds", "continuous damage D2", "continuous damage D3", "continuous damage P",
+        "continuous damage Psi0", "continuous damage beta", "continuous damage gamma", "continuous damage D2beta",
     ),
     "prestrain": (
         "in-situ target stretch", "prestrain stretch", "prestrain stretch error", "prestrain correction",
         "SPR prestrain correction", "prestrain compatibility",
     ),
-    "loads": ("body force", "scalar surface load"),
+    "loads": ("body force", "scalar surface load", "ideal gas pressure"),
+    "volumes": ("PK1 norm", "micro energy"),
+    "feedback": ("pid controller",),
+    "absent": ("G norm", "QK1 norm", "mortar-gap", "edge contact gap"),
     "maps": ("field", "parameter", "mesh_data"),
     "fluids": ("effective fluid pressure", "nodal fluid flux", "permeability", "effective elasticity"),
     "solutes": ("effective solute concentration", "osmotic coefficient", "concentration gap"),
@@ -100,6 +105,7 @@ ARRAYS = {
     "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
     "sbm areal concentration": "solid_bound",
 }  # fmt: skip
+PARTS = {"pid controller": ("measurement", "error", "output")}  # names of other arrays' values
 
 
 def find(name: str, solutes: bool = True) -> Give | None:
@@ -115,4 +121,4 @@ def find(name: str, solutes: bool = True) -> Give | None:
     return None
 
 
-__all__ = ["ARRAYS", "FILES", "Face", "Give", "Part", "View", "find", "told"]
+__all__ = ["ARRAYS", "FILES", "PARTS", "Face", "Give", "Part", "View", "find", "told"]

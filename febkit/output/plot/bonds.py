@@ -13,6 +13,7 @@ import numpy as np
 
 from febkit.solver.matrices import det
 from febkit.solver.points import Points
+from febkit.solver.solids.damage_fibers import WRITTEN, DamagedFiber
 from febkit.solver.solids.reactive_viscoelastic import UncoupledReactiveViscoelastic
 from febkit.solver.solids.uncoupled import Uncoupled, distortional, distortional_energy
 
@@ -23,7 +24,8 @@ MEMORY = {"ReactivePlasticity": (0, 12), "ReactivePlasticDamage": (2, 16)}  # hi
 MEASURE, FRACTION = 9, 10  # columns of the yield measure and of the yielded fraction
 MIXED = (*laws.MIXTURES, "Multigeneration", "Generation")
 DAMAGED = ("ElasticDamage", "UncoupledElasticDamage", "ReactivePlasticDamage", "ReactiveViscoelasticDamage",
-           "ViscoelasticDamage", "UncoupledViscoelasticDamage")  # fmt: skip
+           "ViscoelasticDamage", "UncoupledViscoelasticDamage", "ReactiveViscoelasticFatigue")  # fmt: skip
+FATIGUE = ("ReactiveFatigue", "UncoupledReactiveFatigue")
 VISCOUS = ("ReactiveViscoelastic", "UncoupledReactiveViscoelastic")
 
 
@@ -45,7 +47,7 @@ def broken(law: Any, pts: Points) -> Floats | None:
         return np.sum(each, axis=0) if each else None
     if name in ("ViscoelasticDamage", "UncoupledViscoelasticDamage"):
         return broken(law.elastic, pts)
-    if name in DAMAGED or name in MEMORY:
+    if name in DAMAGED or name in FATIGUE or name in MEMORY:
         return np.broadcast_to(law.broken(pts), (pts.n,))
     return None
 
@@ -56,15 +58,27 @@ def yielded(law: Any, pts: Points) -> Floats | None:
     return None if own is None else own[:, :, FRACTION].sum(axis=1)
 
 
+def _strong(law: Any) -> Any:
+    """The solid whose bonds last: the elastic one of a reactive viscoelastic solid."""
+    if type(law).__name__ == "ReactiveViscoelasticFatigue":
+        law = law.viscoelastic
+    return law.elastic if type(law).__name__ in VISCOUS else law
+
+
+def fatigued(law: Any, pts: Points) -> Floats | None:
+    """Fraction of bonds that have fatigued (n,)."""
+    law = _strong(law)
+    return law.fatigued(pts) if type(law).__name__ in FATIGUE else None
+
+
 def intact(law: Any, pts: Points) -> Floats | None:
     """Fraction of bonds that are as they were (n,)."""
-    if type(law).__name__ in VISCOUS:
-        law = law.elastic
+    law = _strong(law)
     D = broken(law, pts)
     if D is None or type(law).__name__ in MIXED:
         return None
-    y = yielded(law, pts)
-    return 1.0 - D - (0.0 if y is None else y)
+    lost = (v for v in (yielded(law, pts), fatigued(law, pts)) if v is not None)
+    return np.asarray(1.0 - D - sum(lost))
 
 
 def octahedral(law: Any, pts: Points) -> Floats | None:
@@ -115,6 +129,17 @@ def of_bonds(value: Fraction, otherwise: float | None = None) -> Give:
         if v is None:
             return None if otherwise is None else np.full((part.g.m, part.g.g), otherwise)
         return part.shaped(v)
+
+    return mean(points)
+
+
+def continuous(name: str) -> Give:
+    """A value of fibers with continuous damage, of the solid of a part or of what stands in brackets."""
+
+    def points(part: Part, which: str = "") -> Floats | None:
+        found = laws.solid(part, which)
+        v = found[0].written(found[1], name) if found and isinstance(found[0], DamagedFiber) else None
+        return None if v is None else part.shaped(v)
 
     return mean(points)
 
@@ -196,7 +221,7 @@ def of_energy(value: Callable[[Any, Points], Floats], distortion: bool = False) 
 register("damage", of_bonds(broken, 0.0), more=True)
 register("intact bond fraction", of_bonds(intact, 0.0), more=True)
 register("yielded bond fraction", of_bonds(yielded, 0.0), more=True)
-register("fatigue bond fraction", of_bonds(lambda law, pts: None, 0.0), more=True)
+register("fatigue bond fraction", of_bonds(fatigued, 0.0), more=True)
 register("octahedral plastic strain", of_bonds(octahedral, 0.0), more=True)
 register("plasticity heat supply density", of_bonds(heat, 0.0), more=True)
 register("plastic yield stress", of_bonds(yield_stress))
@@ -208,3 +233,5 @@ register("strong bond SED", of_energy(strong))
 register("weak bond SED", of_energy(weak))
 register("deviatoric strong bond SED", of_energy(strong, distortion=True))
 register("deviatoric weak bond SED", of_energy(weak, distortion=True))
+for _name in WRITTEN:
+    register(f"continuous damage {_name}".strip(), continuous(_name), more=True)

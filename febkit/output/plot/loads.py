@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from febkit.solver.loads.bearing import Bearing
+from febkit.solver.loads.enclosed_volume import IdealGas
 
 from .base import Face, Floats, Part, mean, of_solids, register
 
@@ -19,16 +22,31 @@ def body_force(part: Part) -> Floats:
     return out
 
 
-def bearing(face: Face) -> Floats | None:
-    """Mean pressure of a bearing load over each facet; no other load has a scalar in FEBio."""
+def on(face: Face, kind: Any) -> Any:
+    """The load of a kind that acts on a surface; None where none does."""
     system = face.view.run.system
     nodes = set(face.nodes.tolist())
     for load in system.loads if system is not None else ():
-        if isinstance(load, Bearing) and {n for p in load.surface for n in p.conn.ravel().tolist()} == nodes:
-            parts = load._pressures(face.state)
-            return np.concatenate([-load.sign * P.reshape(len(p.conn), -1).mean(axis=1) for p, P in parts])
+        if isinstance(load, kind) and {n for p in load.surface for n in p.conn.ravel().tolist()} == nodes:
+            return load
     return None
+
+
+def bearing(face: Face) -> Floats | None:
+    """Mean pressure of a bearing load over each facet; no other load has a scalar in FEBio."""
+    load = on(face, Bearing)
+    if load is None:
+        return None
+    parts = load._pressures(face.state)
+    return np.concatenate([-load.sign * P.reshape(len(p.conn), -1).mean(axis=1) for p, P in parts])
+
+
+def gas(face: Face) -> Floats | None:
+    """Pressure of the gas that a surface encloses."""
+    load = on(face, IdealGas)
+    return None if load is None else np.asarray(load.pressure(face.state))
 
 
 register("body force", mean(of_solids(body_force)))
 register("scalar surface load", bearing)
+register("ideal gas pressure", gas)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from febkit.solver.loads.springs import LinearSprings, Springs
+from febkit.solver.loads.springs import Springs
 
 from .base import Floats, Part, register
 
@@ -57,19 +57,17 @@ def direction(s: Springs, part: Part) -> Floats:
 
 def signed(s: Springs, part: Part) -> Floats:
     """The force with which a spring pulls (m,), negative where it pushes."""
-    L, _, rate, _ = s._line(part.state)
-    return s.law(L, rate, part.state.time)[0]
+    return (force(s, part) * direction(s, part)).sum(axis=1)
 
 
 def force(s: Springs, part: Part) -> Floats:
     """On the first node (m, 3)."""
-    return signed(s, part)[:, None] * direction(s, part)
+    return s.forces(part.state)
 
 
 def energy(s: Springs, part: Part) -> Floats:
-    """E (L - L0)^2 / 2 of linear springs; FEBio has none of the others, and writes zeros."""
-    pull = signed(s, part) if isinstance(s, LinearSprings) else 0.0
-    return 0.5 * pull * elongation(s, part)
+    """Strain energy; FEBio has none of nonlinear springs and muscles, and writes zeros."""
+    return s.energies(part.state)
 
 
 register("discrete element length", of_springs(length))

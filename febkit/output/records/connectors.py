@@ -47,7 +47,7 @@ def column(view: View, name: str, entry: LogEntry) -> Column | None:
 
     def values() -> Floats:
         problem = view.run.problem
-        records = iter([c for s in (problem.common, *problem.steps) for c in s.connectors])
+        records = iter([c for s in (problem.common, *problem.steps) for c in s.connectors if c.numbered])
         every = [next(records) if c.tag == "rigid_connector" else None for c in listed(view)]
         return np.array([0.0 if c is None else value(Joint(view, c)) for c in every])
 

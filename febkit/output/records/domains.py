@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from febkit.model import LogEntry
     from febkit.output.plot import View
 
+WHOLE = ("volume", "total energy", "normalized internal energy")
 CALL = re.compile(r"(avg|integrate|pct)\s*\(\s*'([^']+)'\s*(?:,\s*'?([\d.eE+-]+)'?\s*)?\)")
 
 
@@ -36,8 +37,8 @@ def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
 
 
 def column(view: View, name: str, entry: LogEntry) -> Column | None:
-    of_part = call(name) or {"volume": volume, "total energy": energy}.get(name) or species.integral(name)
-    if name == "normalized internal energy":
+    of_part = call(name) or dict(zip(WHOLE, (volume, energy))).get(name) or species.integral(name)
+    if name == WHOLE[-1]:
         of_part = Work(view)
     return None if of_part is None else partial(_each, view, of_part)
 

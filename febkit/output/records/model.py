@@ -12,13 +12,15 @@ if TYPE_CHECKING:
     from febkit.model import LogEntry
     from febkit.output.plot import View
 
+NORM = "solution_norm"
+
 
 def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
     return np.zeros(1, np.int64), np.zeros(1, np.int64)
 
 
 def column(view: View, name: str, entry: LogEntry) -> Column | None:
-    return (lambda: _norm(view)) if name == "solution_norm" else None
+    return (lambda: _norm(view)) if name == NORM else None
 
 
 def _norm(view: View) -> Floats:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from febkit.model import LogEntry
     from febkit.output.plot import View
 
+GAP = "max contact gap"
 # item -> plot variable
 ITEMS = {"volume": "enclosed volume", "volume change": "enclosed volume change", "contact area": "contact area"}
 
@@ -27,7 +28,7 @@ def rows(view: View, entry: LogEntry) -> tuple[Ints, Ints]:
 
 
 def column(view: View, name: str, entry: LogEntry) -> Column | None:
-    if name == "max contact gap":
+    if name == GAP:
         return lambda: np.array([_largest_gap(f) for f in view.faces])
     if name not in ITEMS:
         return None

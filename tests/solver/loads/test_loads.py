@@ -102,6 +102,8 @@ CASES = {
     "fluidflux": {"flux": VARYING},
     "mixture": {"flux": 0.7, "mixture": True},
     "mixture per reference area": {"flux": 0.7, "mixture": True, "linear": True},
+    "pressure Robin BC": {"spring_eps": VARYING, "dashpot_eps": 0.2},
+    "traction Robin BC": {"spring_eps": VARYING, "dashpot_eps": 0.2},
 }
 TYPES = {"effective": "normal_traction", "mixture": "fluidflux", "mixture per reference area": "fluidflux"}
 

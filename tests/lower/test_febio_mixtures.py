@@ -1,0 +1,45 @@
+"""What turns and drives the fluid of a biphasic column, beside FEBio 4.11: two elements on a wall, free above."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import febkit
+
+X = [(x, y, z) for z in (0, 0.5, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+NODES = "".join(f'<node id="{k}">{x},{y},{z}</node>' for k, (x, y, z) in enumerate(X, 1))
+DECK = """<febio_spec version="4.0"><Module type="biphasic"/><Globals><Constants><R>8.3e-6</R><T>298</T></Constants>
+</Globals><Control><analysis>TRANSIENT</analysis><time_steps>5</time_steps><step_size>0.1</step_size>
+<solver type="biphasic"><symmetric_stiffness>0</symmetric_stiffness><dtol>1e-9</dtol><ptol>1e-9</ptol><etol>1e-15</etol>
+<rtol>0</rtol><max_refs>50</max_refs><qn_method type="BFGS"><max_ups>0</max_ups></qn_method></solver></Control>
+<Material><material id="1" name="m" type="biphasic">{}<phi0>0.2</phi0>
+<solid type="neo-Hookean"><E>1</E><v>0.2</v></solid><permeability {}</permeability>
+<active_supply type="active-const-supply"><supply>0.4</supply></active_supply></material>
+</Material><Mesh><Nodes name="N">{}</Nodes><Elements type="hex8" name="p">
+<elem id="1">1,2,3,4,5,6,7,8</elem><elem id="2">5,6,7,8,9,10,11,12</elem></Elements><NodeSet name="b">1,2,3,4</NodeSet>
+<NodeSet name="t">9,10,11,12</NodeSet></Mesh><MeshDomains><SolidDomain name="p" mat="m"/></MeshDomains>
+<Boundary><bc type="zero displacement" node_set="b">
+<x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof></bc><bc type="zero fluid pressure" node_set="t"/></Boundary>
+</febio_spec>"""
+HOLMES_MOW = 'type="perm-Holmes-Mow"><perm>0.7</perm><M>1.5</M><alpha>2</alpha>'
+ORTHOTROPIC = """type="perm-ref-ortho"><perm0>0.1</perm0><perm1>0.4,0.2,0.6</perm1><perm2>0.3,0.2,0.1</perm2>
+<M0>0.5</M0><alpha0>1</alpha0><M>0.2,0.3,0.4</M><alpha>1,1,1</alpha>"""
+AXES = '<mat_axis type="vector"><a>0.3,0.2,1</a><d>1,0,0</d></mat_axis>'
+CASES = {  # axes of the mixture, permeability, displacement of node 7 and pressures of the first nodes in FEBio
+    "along x": ("", HOLMES_MOW, (-0.038669579, 0.042571783, 0.063923143), (-0.20485963, 0.17333227)),
+    "along an axis": (AXES, HOLMES_MOW, (-0.023624219, -0.018375576, -0.024113884), (-0.26284614, -0.17568824)),
+    "by orthotropic permeability": (
+        AXES, ORTHOTROPIC, (-0.02906155, -0.023009287, -0.030104665), (-0.30482614, -0.20204735),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_momentum_supply_drives_the_fluid(name, tmp_path):
+    axes, permeability, u, p = CASES[name]
+    (tmp_path / "column.feb").write_text(DECK.format(axes, permeability, NODES))
+    result = febkit.solve(tmp_path / "column.feb")
+    assert result.converged, result.reason
+    np.testing.assert_allclose(result.state.u[6], u, rtol=1e-6)
+    np.testing.assert_allclose(result.state.p[:2], p, rtol=1e-6)
