@@ -17,6 +17,10 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 NOTEBOOKS = sorted((EXAMPLES / "notebooks").glob("*.ipynb"))
 MOST = 120  # s
 LARGEST = 450_000  # bytes
+LESS = {  # what a notebook does more often than it takes to see that it runs
+    "03_sweep": ("np.geomspace(4e-3, 0.1, 7)", "np.geomspace(4e-3, 0.1, 3)"),
+    "05_study": ("methods=[\"1\", \"2\"]", "methods=[\"1\"]"),
+}
 
 
 def kinds(cell: Any) -> list[str]:
@@ -60,6 +64,9 @@ def test_notebook(path: Path, tmp_path: Path, kernel: Any) -> None:
     for model in ("study_reduced.toml", "unconfined_compression.feb"):
         shutil.copy(EXAMPLES / model, tmp_path)
     begin = nbformat.v4.new_code_cell(f"%reset -f\nimport os\nos.chdir({str(tmp_path / 'notebooks')!r})\ndel os")
+    for cell in book.cells:
+        cell.source = cell.source.replace(*LESS.get(path.stem, ("", "")))
+    assert (book.cells != kept.cells) == (path.stem in LESS)
     book.cells.insert(0, begin)
     nbclient.NotebookClient(book, timeout=MOST, km=kernel).execute()
     assert [kinds(c) for c in book.cells] == [[], *(kinds(c) for c in kept.cells)]

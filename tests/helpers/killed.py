@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 
 from febkit.results.xplt.reader import PlotFile
 
-from .command import FEBKIT
+from . import forked
 
 
 @dataclass
@@ -41,21 +40,21 @@ def kill_at_random(folder: Path, short: str, long: str, kills: int, seed: int) -
     """
     model, plot, log = folder / "m.feb", folder / "m.xplt", folder / "m.log"
     model.write_text(short)
-    subprocess.run([FEBKIT, "run", "m.feb", "-silent"], cwd=folder, check=True)
+    assert forked.febkit("run", "m.feb", "-silent", folder=folder).returncode == 0
     earlier = plot.read_bytes()
     model.write_text(long)
-    command = [FEBKIT, "run", "m.feb", "-silent"]
     start = time.monotonic()
-    subprocess.run([*command, "-p", "whole.xplt", "-o", "whole.log"], cwd=folder, check=True)
+    whole = forked.febkit("run", "m.feb", "-silent", "-p", "whole.xplt", "-o", "whole.log", folder=folder)
+    assert whole.returncode == 0, whole.stderr
     seconds, all_states = time.monotonic() - start, states(folder / "whole.xplt")
     rng, found = random.Random(seed), Found()
     for k in range(kills):
         plot.write_bytes(earlier)
         log.write_text("febkit of an earlier run\n")
-        job = subprocess.Popen(command, cwd=folder)
+        job = forked.Job("run", "m.feb", "-silent", folder=folder)
         time.sleep(seconds * (k + rng.random()) / kills)
         job.kill()
-        job.wait()
+        job.communicate()
         if plot.read_bytes() == earlier:
             found.earlier += 1
             assert log.read_text() == "febkit of an earlier run\n"

@@ -4,6 +4,7 @@ but files that need each other for these are counted, so that they do not grow m
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -25,10 +26,15 @@ def _modules() -> dict[str, Path]:
 MODULES = _modules()
 
 
+@cache
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
+
+
 def imports(name: str, path: Path, annotations: bool) -> set[str]:
     """Modules of ours that a file imports, those inside functions too; ``annotations``: also under TYPE_CHECKING."""
     package = (name if path.name == "__init__.py" else name.rpartition(".")[0]).split(".")
-    tree = ast.parse(path.read_text())
+    tree = _tree(path)
     hidden: set[int] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING") and not annotations:

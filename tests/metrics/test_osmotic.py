@@ -13,7 +13,7 @@ from febkit.metrics import cell_metrics, compare, exchange, flux, groups, mixtur
 from febkit.metrics.selection import select_cells
 from febkit.metrics.sources import Sources
 from febkit.results import open as open_results
-from helpers.command import febkit as command
+from helpers.forked import febkit as command
 
 R, T, FC = 8.314e-6, 298.0, 9.65e-5  # N mm / (nmol K), K, C / nmol
 SHARP = dict(updates=0, dtol=1e-9, etol=1e-18, ptol=1e-9, ctol=1e-9)

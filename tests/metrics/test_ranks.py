@@ -24,9 +24,13 @@ def by_squares(n: int) -> dict[float, float]:
     """rho -> p for orders of n values, one for each sum of squared differences of ranks that swaps reach."""
     out, order = {}, list(range(n))
     x, rng = np.arange(n), np.random.default_rng(1)
+    seen: set[int] = set()
     for _ in range(4000):
-        rho, p = spearman(x, order)
-        out[round(rho, 9)] = p
+        squares = int(((x - order) ** 2).sum())
+        if squares not in seen:
+            seen.add(squares)
+            rho, p = spearman(x, order)
+            out[round(rho, 9)] = p
         i = int(rng.integers(n - 1))
         order[i], order[i + 1] = order[i + 1], order[i]
     return out

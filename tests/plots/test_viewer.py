@@ -214,7 +214,7 @@ def test_the_verb_serves_a_page_until_ctrl_c(tmp_path):
 
 
 def test_the_verb_says_what_is_wrong(tmp_path):
-    from helpers.command import febkit as run
+    from helpers.forked import febkit as run
 
     write(result(), tmp_path / "run.xplt")
     done = run("view", "run.xplt", "--no-browser", "-v", "temperature", folder=tmp_path)
