@@ -26,6 +26,7 @@ from .fields import Field, Places, components, species
 from .variables import unit_symbol
 from .xplt.reader import PlotFile
 from .xplt.records import MeshOutline, PlotSurface, PlotVariable
+from .xplt.source import Held
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
@@ -106,7 +107,7 @@ def _outer(key: tuple[Any, ...], shape: tuple[int, ...]) -> tuple[Any, ...]:
 
 
 class MeshArray(BackendArray):
-    """An array of the mesh, read when touched."""
+    """An array of the mesh, made when touched."""
 
     def __init__(self, shape: tuple[int, ...], dtype: np.dtype, make: Make) -> None:
         self.shape, self.dtype, self.make = shape, dtype, make
@@ -119,6 +120,14 @@ class MeshArray(BackendArray):
     def _get(self, key: tuple[Any, ...]) -> np.ndarray:
         whole = self.make() if all(self.shape) else np.empty(self.shape, self.dtype)
         return np.asarray(whole[key], self.dtype)
+
+
+def _held(f: PlotFile, array: FrameArray | MeshArray) -> Any:
+    """What a variable holds: an array that is read when touched, or at once where all of the file is in memory."""
+    if not isinstance(f.container.data, Held):
+        return indexing.LazilyIndexedArray(array)
+    whole = array._get((slice(None),) * len(array.shape))
+    return whole if whole.flags.writeable else whole.copy()
 
 
 class ElementStates:
@@ -175,8 +184,7 @@ def build(f: PlotFile, mesh: int = 0, apart: bool = False) -> xr.Dataset:
         field = Field(f, states, i, v, places, apart)
         name = _free(variable_name(v.name), v.section, {*data, *coords})
         dims, extra = _dims(v, name, apart, coords)
-        lazy = indexing.LazilyIndexedArray(FrameArray(field, len(states)))
-        data[name] = xr.Variable(("time", *dims), lazy, _attrs(f, v, i, field))
+        data[name] = xr.Variable(("time", *dims), _held(f, FrameArray(field, len(states))), _attrs(f, v, i, field))
         coords |= {k: c for k, c in extra.items() if k not in coords}
     coords |= _shared(f, places, apart)
     _states(f, states, outline, data)
@@ -286,7 +294,7 @@ def _coords(f: PlotFile, mesh: int, states: np.ndarray) -> tuple[dict[Hashable, 
     width = max((d.width for d in o.domains), default=0)
 
     def later(dims: tuple[str, ...], shape: tuple[int, ...], kind: str, make: Make) -> Any:
-        return xr.Variable(dims, indexing.LazilyIndexedArray(MeshArray(shape, np.dtype(kind), make)))
+        return xr.Variable(dims, _held(f, MeshArray(shape, np.dtype(kind), make)))
 
     coords: dict[Hashable, Any] = {
         "time": xr.Variable(("time",), short_times(f.times[states])),
@@ -397,10 +405,8 @@ def _states(f: PlotFile, states: np.ndarray, o: MeshOutline, data: dict[Hashable
         meaning = {"long_name": "how the step ended"} | flags(["converged", "new_mesh", "not_converged"])
         data["state_status"] = xr.Variable(("time",), f.statuses[states], meaning)
     if layout.flags is not None:
-        lazy = indexing.LazilyIndexedArray(
-            FrameArray(ElementStates(f, states, o.n_elements), len(states))
-        )
-        data["element_state"] = xr.Variable(("time", "element"), lazy, _ACTIVE)
+        active = _held(f, FrameArray(ElementStates(f, states, o.n_elements), len(states)))
+        data["element_state"] = xr.Variable(("time", "element"), active, _ACTIVE)
     if layout.objects is not None and o.objects:
-        lazy = indexing.LazilyIndexedArray(FrameArray(ObjectStates(f, states, layout.objects[1]), len(states)))
-        data["object_state"] = xr.Variable(("time", "object_state_byte"), lazy)
+        values = _held(f, FrameArray(ObjectStates(f, states, layout.objects[1]), len(states)))
+        data["object_state"] = xr.Variable(("time", "object_state_byte"), values)

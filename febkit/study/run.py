@@ -141,7 +141,7 @@ def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any
     workers = min(fitting_workers(r), max(steps, 1))
     env = {
         k: str(r.threads)
-        for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "FEBKIT_THREADS")
+        for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "FEBKIT_THREADS")
     } | {"OPENBLAS_NUM_THREADS": "1"}  # as febkit run has it
     with (
         dask.config.set(
