@@ -13,7 +13,7 @@ from .kernels import pattern as kernels
 
 Ints = NDArray[np.int32]
 MOST = 8  # graphs that are kept: of the steps of a model, and of contacts on their way
-ROOM = 2**28  # bytes that they may take together
+ROOM = 2**28  # bytes that they may take together; what takes more is not kept (300,000 unknowns and more)
 
 
 class Graph:
@@ -87,9 +87,11 @@ class Graphs:
         found = self._held.pop(key, None)
         if found is None:
             found = Graph([p.copy() for p in parts], size, symmetric)
+            if found.nbytes > ROOM:
+                return found
             found.kept = {}
         self._held[key] = found
-        while len(self._held) > 1 and (len(self._held) > MOST or sum(g.nbytes for g in self._held.values()) > ROOM):
+        while len(self._held) > MOST or sum(g.nbytes for g in self._held.values()) > ROOM:
             del self._held[next(iter(self._held))]
         return found
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -77,7 +76,7 @@ def _observed(ds: Any, chosen: Mapping[str, Observable]) -> Found:
 
 
 def batch(model: str, params: Mapping[str, Any], folder: Path) -> None:
-    """Solve the points of a batch and keep what they give in ``folder``; ``model``: a file of :func:`put`."""
+    """Solve the points of a batch and keep what they give in ``folder``; ``model``: a .feb file."""
     from febkit import process
 
     process.keep_freed_memory()
@@ -91,7 +90,7 @@ def held(path: str) -> Model:
     """The model of a file; kept, with what its next solve finds, while this process gets batches of the same."""
     from febkit.modelling import Model
 
-    return Model.of(pickle.loads(Path(path).read_bytes()))
+    return Model.read(path)
 
 
 def save(path: Path, found: Sequence[Found]) -> None:

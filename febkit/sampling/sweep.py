@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -148,13 +147,9 @@ def plan(s: Sweep, folder: Path, resources: Resources) -> Plan:
         if o.variables is None:
             raise InputError(f"{name} is a function: sweeps that are kept, or in other processes, take words alone "
                              '("reaction top z")')  # fmt: skip
-    content = address(s.model.record)
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"model-{content}.pickle"
-    if not file.is_file():
-        file.write_bytes(pickle.dumps(replace(s.model.record, document=None)))
+    file = _written(s.model, folder)
     shared = {
-        "model": content, "paths": s.paths, "observe": {n: o.name for n, o in s.observe.items()},
+        "model": file.stem, "paths": s.paths, "observe": {n: o.name for n, o in s.observe.items()},
         "variables": s.variables, "at": s.at, "threads": s.threads,
     }  # fmt: skip
     size = max(1, min(MOST, -(-len(s.points) // BATCHES)))
@@ -165,6 +160,21 @@ def plan(s: Sweep, folder: Path, resources: Resources) -> Plan:
         params = shared | {"points": rows}
         steps.append(Step("sample", label, params, files={"model": str(file.resolve())}))
     return Plan(s, folder, resources, tuple(steps))
+
+
+def _written(model: Model, folder: Path) -> Path:
+    """The model as a file of its own, named by its content. Raises InputError where no file can say all of it."""
+    from febkit.feb import read, write
+
+    content = address(model.record)
+    file = folder / f"{content}.feb"
+    if not file.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        write(replace(model.record, document=None), file)
+        if address(read(file)) != content:
+            file.unlink()
+            raise InputError("the model says what no single .feb file can: sweep it in this process, without a folder")
+    return file
 
 
 class _Bar:
