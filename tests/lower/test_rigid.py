@@ -52,9 +52,9 @@ def test_what_is_refused(tmp_path: Path) -> None:
     target = FORCE.replace("LOAD", "TARGET")
     with pytest.raises(UnsupportedError, match="TARGET</load_type> of <rigid_load"):
         lower(cube.read(tmp_path, text(target)))
-    generic = JOINT.format("generic rigid joint", "<joint>0,0,0</joint>")
-    with pytest.raises(UnsupportedError, match="generic rigid joint"):
-        lower(cube.read(tmp_path, text(generic)))
+    strange = JOINT.format("rigid hinge", "<joint>0,0,0</joint>")
+    with pytest.raises(UnsupportedError, match="rigid hinge"):
+        lower(cube.read(tmp_path, text(strange)))
     multiplier = JOINT.format("rigid lock", "<laugon>LAGMULT</laugon><joint_origin>0,0,0</joint_origin>")
     with pytest.raises(UnsupportedError, match='LAGMULT</laugon> of <rigid_connector type="rigid lock">'):
         lower(cube.read(tmp_path, text(multiplier)))

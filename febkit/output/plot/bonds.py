@@ -13,7 +13,7 @@ import numpy as np
 
 from febkit.solver.matrices import det
 from febkit.solver.points import Points
-from febkit.solver.solids.damage_fibers import WRITTEN, DamagedFiber
+from febkit.solver.solids.damage_fibers import DamagedFiber
 from febkit.solver.solids.reactive_viscoelastic import UncoupledReactiveViscoelastic
 from febkit.solver.solids.uncoupled import Uncoupled, distortional, distortional_energy
 
@@ -233,5 +233,13 @@ register("strong bond SED", of_energy(strong))
 register("weak bond SED", of_energy(weak))
 register("deviatoric strong bond SED", of_energy(strong, distortion=True))
 register("deviatoric weak bond SED", of_energy(weak, distortion=True))
-for _name in WRITTEN:
-    register(f"continuous damage {_name}".strip(), continuous(_name), more=True)
+register("continuous damage", continuous(""), more=True)
+register("continuous damage D1", continuous("D1"), more=True)
+register("continuous damage Ds", continuous("Ds"), more=True)
+register("continuous damage D2", continuous("D2"), more=True)
+register("continuous damage D3", continuous("D3"), more=True)
+register("continuous damage P", continuous("P"), more=True)
+register("continuous damage Psi0", continuous("Psi0"), more=True)
+register("continuous damage beta", continuous("beta"), more=True)
+register("continuous damage gamma", continuous("gamma"), more=True)
+register("continuous damage D2beta", continuous("D2beta"), more=True)
