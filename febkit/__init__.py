@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from febkit import materials
     from febkit.feb import write
+    from febkit.fitting import Experiment, Parameter, fit
     from febkit.modelling import Model
     from febkit.modelling.curves import Curve
     from febkit.modelling.model import read
@@ -35,9 +36,15 @@ _LAZY = {
     "view": ("febkit.viewer", "view"),
     "Model": ("febkit.modelling", "Model"),
     "Curve": ("febkit.modelling.curves", "Curve"),
+    "fit": ("febkit.fitting", "fit"),
+    "Experiment": ("febkit.fitting", "Experiment"),
+    "Parameter": ("febkit.fitting", "Parameter"),
 }
 
-__all__ = ["Curve", "Model", "__version__", "materials", "open_results", "read", "solve", "sweep", "view", "write"]
+__all__ = [
+    "Curve", "Experiment", "Model", "Parameter", "__version__", "fit", "materials", "open_results", "read", "solve",
+    "sweep", "view", "write",
+]  # fmt: skip
 
 _watch_meshio()
 

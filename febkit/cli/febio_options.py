@@ -1,6 +1,6 @@
 """FEBio's command line: what of it means something here, and one line on what does not.
 
-FEBio 4.11 takes ``-i -o -p -silent`` (``febkit run`` has them), names without ``.feb``, and the options below.
+FEBio 4.11 takes ``-i -o -p -s -silent`` (``febkit run`` has them), names without ``.feb``, and the options below.
 """
 
 from __future__ import annotations
@@ -44,12 +44,11 @@ OPTIONS = {
     "-no_log": Option("the log is written all the same; -o says where"),
     "-output_negative_jacobians": Option("febkit names the element that turned inside out and its part"),
     "-r": Option("febkit restarts no runs: solve the model from its start", task=True),
-    "-s": Option("febkit optimises no parameters; febkit.solve can be called from scipy.optimize", task=True),
     "-d": Option("febkit has no diagnostic tests; febkit validate checks a model without solving it", task=True),
     "-norun": Option("febkit validate checks a model without solving it", task=True),
     "-info": Option("febkit --version says the version", task=True),
 }
-SOLVING = ("-i", "-o", "-p", "-silent", "-task")
+SOLVING = ("-i", "-o", "-p", "-s", "-silent", "-task")
 
 
 def is_one(arg: str) -> bool:
@@ -83,7 +82,7 @@ def understood(args: Iterable[str], say: Callable[[str], None]) -> list[str]:
             _skip(option.argument, left)
         else:
             kept.append(arg)
-            if name in ("-i", "-o", "-p") and left:  # what follows is a name, whatever it looks like
+            if name in ("-i", "-o", "-p", "-s") and left:  # what follows is a name, whatever it looks like
                 kept.append(left.pop(0))
     return kept
 

@@ -25,6 +25,7 @@ VERBS = {
     "view": "Look at results in the browser.",
     "sweep": "Solve a model at many values of its parameters.",
     "study": "Plan, run and report a whole study.",
+    "fit": "Fit parameters of models to experiments.",
     "diff": "Compare two inputs or two results.",
 }
 

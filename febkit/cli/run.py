@@ -40,6 +40,7 @@ class FebioCommand(click.Command):
 @click.option("-o", "log", type=Output(), help="Log file (default: beside the model).")
 @click.option("-p", "plot", type=Output(),
               help="Plotfile (default: beside the model); as .pvd or .vtu also for ParaView.")
+@click.option("-s", "optimise", type=INPUT, help="Fit the model as this optimisation file asks (FEBio's spelling).")
 @click.option("-silent", "--silent", is_flag=True, help="Print nothing but errors.")
 @click.option("-t", "--threads", type=click.IntRange(0), default=0, show_default="all processors",
               help="Threads to use.")
@@ -57,8 +58,9 @@ class FebioCommand(click.Command):
               help="Let the model write data files outside the folder of the log.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
-    model: str | None, input_: str | None, log: Path | None, plot: Path | None, silent: bool, threads: int,
-    linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool, verbose: bool,
+    model: str | None, input_: str | None, log: Path | None, plot: Path | None, optimise: Path | None, silent: bool,
+    threads: int, linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool,
+    verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -72,6 +74,11 @@ def command(
     if log is not None and log.suffix.lower() in (".xplt", *VTK):
         raise exits.Refused(f"{log}: -o names the log; a plotfile is named by -p {log}")
     plot_path, log_path = _plotfile(plot, path), log or path.with_suffix(".log")
+    if optimise is not None:
+        from .fit import fitted, report
+
+        report(fitted(optimise, path, log, threads or 1, silent), silent=silent)
+        return
     process.one_blas_thread()
     process.keep_freed_memory()
     from febkit.feb import read

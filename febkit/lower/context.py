@@ -108,6 +108,12 @@ class Context:
         self._made_data: dict[int, np.ndarray | None] = {}
         self.back = np.full(len(self.X), -1)  # back node of each mesh node, -1 where it has none
 
+    @property
+    def variables(self) -> dict[str, float]:
+        """Global variables by the names that formulas have for them: ``a`` and ``fem.a``."""
+        own = self.model.variables
+        return {**own, **{f"fem.{name}": v for name, v in own.items()}}
+
     def refuse(self, what: str, where: Where | None = None) -> None:
         """Note a feature that febkit does not solve."""
         named = _TYPE.search(what)
@@ -145,7 +151,7 @@ class Context:
             return load_curve(spec.points, spec.spec, f"load controller {spec.id}")
         if spec.type in ("math", "math-interval"):
             leaf = spec.spec.need("math")
-            f = compiled(leaf.text, {"t", *self.model.variables}, dict(self.model.variables), leaf.where)
+            f = compiled(leaf.text, {"t", *self.variables}, self.variables, leaf.where)
             if spec.type == "math":
                 return lambda t: float(f(t=t))
             return interval(spec.spec, lambda t: float(f(t=t)))
@@ -208,7 +214,7 @@ class Context:
 
     def formula(self, text: str, leaf: Component, maps: str = "") -> Value:
         """A formula of X, Y, Z, t, global variables, parameters beside it or elsewhere in the model, and maps."""
-        f = compiled(text, None, dict(self.model.variables), leaf.where)
+        f = compiled(text, None, self.variables, leaf.where)
         parts = {name: self._named(name, text, leaf, maps) for name in sorted(f.names - {"X", "Y", "Z", "t"})}
         if parts:
             return Composed(f, parts, steady=f.steady and all(v.steady for v in parts.values()))

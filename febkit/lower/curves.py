@@ -46,7 +46,7 @@ def curve(ctx: Context, c: Component) -> Any:
 
 def of_one(ctx: Context, c: Component) -> Any:
     """A formula of one variable, whatever its name."""
-    f = compiled((c.child("math") or c).text, None, dict(ctx.model.variables), c.where)
+    f = compiled((c.child("math") or c).text, None, ctx.variables, c.where)
     if len(f.names) > 1:
         raise InputError(f"<{c.tag}> must be a formula of one variable, not of {', '.join(sorted(f.names))}", c.where)
     name = next(iter(f.names), "x")

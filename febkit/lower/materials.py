@@ -279,7 +279,7 @@ INVARIANTS = {"energy": ("I1", "I2", "J", "X", "Y", "Z"), "fiber energy": ("I1",
 def _energy(ctx: Context, c: Component, invariants: tuple[str, ...]) -> Any:
     """A strain energy: a formula of the invariants after any number of definitions, ``name = formula;``."""
     *given, last = [s.strip() for s in (c.child("math") or c).text.split(";") if s.strip()] or [""]
-    constants, names, steps = dict(ctx.model.variables), list(invariants), []
+    constants, names, steps = ctx.variables, list(invariants), []
     for text in given:
         name, equals, body = (s.strip() for s in text.partition("="))
         if not equals or not name.isidentifier():

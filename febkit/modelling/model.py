@@ -312,14 +312,12 @@ class Model(Stage):
         """A parameter by FEBio's own path: ``m["fem.material('cartilage').solid.E"]``."""
         from .path import find
 
-        node, tag = find(self, path)
-        return getattr(node, tag)
+        return find(self, path).get()
 
     def __setitem__(self, path: str, value: Any) -> None:
         from .path import find
 
-        node, tag = find(self, path)
-        node[tag] = value
+        find(self, path).put(value)
 
     def validate(self) -> list[Finding]:
         """What is wrong, as ``febkit validate`` finds it; empty where nothing is."""

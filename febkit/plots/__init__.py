@@ -16,6 +16,7 @@ _NAMES = {
     "cut": "section",
     "scene": "render",
     "movie": "animation",
+    "fitted": "residuals",
     "save": "canvas",
 }
 __all__ = list(_NAMES)

@@ -1,4 +1,4 @@
-"""Entries of a study.toml, each read as what it must be, or refused by its name."""
+"""Entries of a TOML file, each read as what it must be, or refused by its name."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from febkit.model import InputError, Where
 
 
 class Entries:
-    """A table of a study: ``name`` is "" for the file itself. What is not asked for is refused by :meth:`only`."""
+    """A table of a file, which is ``what``: ``name`` is "" for the file itself. :meth:`only` refuses what it does not
+    know."""
 
-    def __init__(self, table: Mapping[str, Any], where: Where, name: str = "") -> None:
-        self.given, self.where, self.name = table, where, name
+    def __init__(self, table: Mapping[str, Any], where: Where, name: str = "", what: str = "a study") -> None:
+        self.given, self.where, self.name, self.what = table, where, name, what
 
     def only(self, known: Iterable[str]) -> None:
         known = sorted(known)
         for key in self.given:
             if key not in known:
-                place = f"[{self.name}]" if self.name else "a study"
+                place = f"[{self.name}]" if self.name else self.what
                 raise InputError(f"unknown entry {key!r} in {place}; it may have {', '.join(known)}", self.where)
 
     def refuse(self, key: str, must: str) -> InputError:
@@ -67,4 +68,4 @@ class Entries:
         v = self.given.get(key, {})
         if not isinstance(v, Mapping):
             raise InputError(f"[{key}] must be a table, not {v!r}", self.where)
-        return Entries(dict(v), self.where, key)
+        return Entries(dict(v), self.where, key, self.what)

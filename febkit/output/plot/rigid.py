@@ -137,11 +137,15 @@ def euler(body: Body) -> Floats:
     return np.array([atan2(m[2, 1], m[2, 2]), y, atan2(m[1, 0], m[0, 0])])
 
 
+def every(view: View) -> list[Body]:
+    """The bodies of a run in their order."""
+    found = view.run.bodies
+    return [] if found is None else [Body(view, i) for i in range(len(found.bodies))]
+
+
 def bodies(view: View) -> dict[str, Body]:
     """The body of each rigid part, by the part's name."""
-    found = view.run.bodies
-    every = found.bodies if found is not None else []
-    return {p.block.name: Body(view, i) for i, b in enumerate(every) for p in b.parts}
+    return {p.block.name: b for b in every(view) for p in b.record.parts}
 
 
 def of_body(value: Callable[[Body], Floats]) -> Callable[[Part], Floats | None]:

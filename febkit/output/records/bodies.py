@@ -40,6 +40,8 @@ def column(view: View, name: str, entry: LogEntry) -> Column | None:
         for part in view.parts:
             if part.name in by_part:
                 first.setdefault(part.material, by_part[part.name])
+        for body in rigid.every(view):  # those of nodes alone have no part
+            first.setdefault(body.record.name, body)
         every = [first.get(m.name or "") for m in view.model.materials]
         return np.array([0.0 if b is None else value(b) for b in every])
 

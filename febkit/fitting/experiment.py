@@ -1,0 +1,147 @@
+"""One experiment: a model, what is observed of it, and what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from febkit.model import InputError, as_record
+from febkit.observe import Observable, observable, observables, variables
+
+from . import grid
+from .data import columns
+from .problem import Failed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from febkit.modelling import Model
+    from febkit.observe import Follow, Observe
+
+    from .parameters import Spec
+
+Floats = NDArray[np.float64]
+MET = 400  # times of data up to which a run meets each of them
+
+
+@dataclass
+class Experiment:
+    """What was measured, and the model that ought to show it.
+
+    model: a model, or the path of a .feb file; data: see :func:`.data.columns`; observe: what the data are, in words or
+    by functions (:mod:`febkit.observe`); against: the observable that is x of the data, time where it is left out.
+    sigma: standard deviation of the data, a number, one for each observable, or of each point; where it is not known,
+    curves count by their greatest value. parameters: those of this experiment alone; settings: values that its model
+    is given by path. meet: the run meets the data's times (the default up to 400 of them); else curves between saved
+    states are straight.
+    """
+
+    model: Model | str | PathLike[str]
+    data: Any
+    observe: Observe
+    against: str | Follow | None = None
+    sigma: Any = None
+    parameters: Mapping[Any, Spec] = field(default_factory=dict)
+    settings: Mapping[str, float] = field(default_factory=dict)
+    name: str = ""
+    meet: bool | None = None
+
+
+class Measured:
+    """An experiment made ready: an :class:`.problem.Experiment`. ``options`` are those of :func:`febkit.solve`."""
+
+    def __init__(self, given: Experiment, name: str, options: Mapping[str, Any]) -> None:
+        self.name, self.options = name, dict(options)
+        self.model = _model(given.model)
+        for path, value in given.settings.items():
+            self.model[path] = value
+        self.observables = observables(given.observe)
+        self.against: Observable | None = None if given.against is None else observable(given.against)
+        try:
+            self.curves = columns(given.data, list(self.observables))
+        except InputError as e:
+            raise InputError(f"{name}: {e}" if e.where is None else e.message, e.where) from None
+        self.x = np.concatenate([x for x, _ in self.curves.values()])
+        self.y = np.concatenate([y for _, y in self.curves.values()])
+        self.observed = [(n, len(y)) for n, (_, y) in self.curves.items()]
+        self.axis = "time" if self.against is None else self.against.name
+        self.weight = self._weights(given.sigma)
+        self.known = given.sigma is not None
+        self.at = self._times(given.meet)
+        needed = self.observables if self.against is None else {**self.observables, " against": self.against}
+        self.kept = variables(needed, self.model.record)
+
+    def _weights(self, sigma: Any) -> Floats:
+        """(n,) one over the standard deviation, or over the greatest value of the curve."""
+        sizes = [len(y) for _, y in self.curves.values()]
+        if sigma is None:
+            tops = [float(np.abs(y).max()) or 1.0 for _, y in self.curves.values()]
+            return np.repeat(1.0 / np.array(tops), sizes)
+        given = [sigma[n] for n in self.curves] if isinstance(sigma, Mapping) else sigma
+        s = np.asarray(given, dtype=float)
+        each = s.shape == (len(sizes),) and len(self.y) != len(s)
+        s = np.repeat(s, sizes) if each else np.broadcast_to(s, self.y.shape)
+        if not (s > 0).all():
+            raise InputError(f"{self.name}: standard deviations must be above 0")
+        return np.asarray(1.0 / s)
+
+    def _times(self, meet: bool | None) -> list[float] | None:
+        """Times that runs meet, None where they make their own."""
+        times = np.unique(self.x)
+        if self.against is not None or meet is False or (meet is None and len(times) > MET):
+            return None
+        if times[0] < 0:
+            raise InputError(f"{self.name}: data before time 0 ({times[0]:g})")
+        fixed = any(s.control is not None and s.control.child("time_stepper") is None for s in self.model.record.steps)
+        return None if fixed and meet is None else times.tolist()
+
+    def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> tuple[Floats, list[float]]:
+        m = self.model.copy()
+        for path, value in settings.items():
+            m[path] = value
+        if ends is not None:
+            m._put(steps=grid.on(m.record, ends).steps)
+        times = grid.Times(m.record)
+        result = m.solve(variables=self.kept, at=self.at if ends is None else None, listeners=[times],
+                         warn=lambda _: None, **self.options)  # fmt: skip
+        if result.interrupted:
+            raise KeyboardInterrupt
+        if not result.converged:
+            raise Failed(f"{self.name}: {result.reason}")
+        ds = result.dataset
+        found = np.concatenate([self._curve(ds, o, *self.curves[n]) for n, o in self.observables.items()])
+        return found, times.ends
+
+    def derivatives(self, settings: Mapping[str, float]) -> dict[str, Floats]:
+        return {}  # here stand those of ``result.sensitivity`` once the solver has them
+
+    def _curve(self, ds: xr.Dataset, o: Observable, x: Floats, y: Floats) -> Floats:
+        """What an observable shows at the data's x."""
+        found = np.asarray(o(ds).values, dtype=float)
+        if found.ndim == 0:  # a number of the whole run
+            return np.full(len(x), float(found))
+        at = np.asarray(ds["time"] if self.against is None else self.against(ds), dtype=float)
+        if self.against is not None:
+            order = np.argsort(at, kind="stable")
+            at, found = at[order], found[order]
+        slack = 1e-5 * max(abs(float(at[-1])), 1e-300)
+        if x.min() < at[0] - slack or x.max() > at[-1] + slack:
+            raise InputError(f"{self.name}: data of {o.name} lie at {x.min():g} to {x.max():g}, the run's at "
+                             f"{at[0]:g} to {at[-1]:g}: leave out what it does not come to")  # fmt: skip
+        return np.asarray(np.interp(x, at, found))
+
+
+def _model(given: Any) -> Model:
+    from febkit.modelling import Model
+    from febkit.modelling.model import read
+
+    if isinstance(given, (str, PathLike)):
+        return read(given)
+    if not isinstance(as_record(given), type(Model().record)):
+        raise TypeError(f"an experiment takes a model or the path of a .feb file, not {type(given).__name__}")
+    return Model.of(given).copy()

@@ -1,0 +1,232 @@
+"""The question of a fit: residuals of all experiments at any parameters, their derivatives, and what was tried."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .parameters import Parameters
+
+if TYPE_CHECKING:
+    from febkit.modelling import Model
+
+Floats = NDArray[np.float64]
+Made = tuple[Floats, list[float]]  # what a model shows, and the ends of its time steps
+
+
+class Failed(Exception):
+    """A model that did not solve; the message says why."""
+
+
+class Stopped(Exception):
+    """The fit has to end before it is done; the message says why."""
+
+
+class Interrupted(Stopped):
+    """By the user."""
+
+
+class Experiment(Protocol):
+    """What was measured, and the model that ought to show it.
+
+    name; model: as it was given; x, y: (n,) where and what was measured; weight: (n,) of differences from it;
+    observed: names of the curves and how many points each has; axis: what x is.
+    """
+
+    name: str
+    model: Model
+    x: Floats
+    y: Floats
+    weight: Floats
+    observed: list[tuple[str, int]]
+    axis: str
+
+    def predict(self, settings: dict[str, float], ends: Sequence[float] | None = None) -> Made:
+        """(n,) what the model shows with these values at its paths, and the ends of its time steps; ``ends``: those
+        that it takes, of another run. Raises Failed where it does not solve."""
+
+    def derivatives(self, settings: dict[str, float]) -> dict[str, Floats]:
+        """(n,) exact derivatives of :meth:`predict` by path, of the run made last; of paths left out there are none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One set of values, and how well it does: objective = sum of weighted squares, inf where a model failed."""
+
+    number: int
+    z: Floats
+    values: Floats
+    objective: float
+    failure: str = ""
+
+
+class Problem:
+    """Residuals r(z) = weight (model - data) of all experiments, one after the other.
+
+    ``runs`` counts solves of models; ``best`` is the best trial so far; ``step``: of differences, in the optimiser's
+    units; ``most``: runs after which the fit is stopped; ``tell`` hears of each trial.
+    """
+
+    def __init__(self, parameters: Parameters, experiments: Sequence[Experiment], *, step: float = 1e-3,
+                 most: int = 0, tell: Callable[[Trial], None] | None = None) -> None:  # fmt: skip
+        self.parameters, self.experiments = parameters, list(experiments)
+        self.step, self.most, self.tell = step, most, tell
+        self.runs = self.trials = self.failures = 0
+        self.best: Trial | None = None
+        self.why = ""  # the last failure
+        self._known: dict[bytes, list[Made]] = {}
+        self._ends: list[list[float] | None] = [None] * len(self.experiments)
+
+    @property
+    def data(self) -> Floats:
+        return np.concatenate([e.y for e in self.experiments])
+
+    @property
+    def weight(self) -> Floats:
+        return np.concatenate([e.weight for e in self.experiments])
+
+    def predictions(self, z: Floats) -> list[Floats] | None:
+        """What each experiment shows, None where a model fails (:attr:`why`)."""
+        made = self._made(z)
+        return None if made is None else [found for found, _ in made]
+
+    def hold_steps(self, z: Floats) -> bool:
+        """Have all runs from here on take the time steps that they take at z by themselves; False where they do already.
+
+        Adaptive steps follow parameters by jumps, and so do curves, by the error of their steps: no way to derivatives.
+        """
+        known = self._known.get(z.tobytes())
+        held, self._ends = self._ends, [None] * len(self.experiments)
+        if known is not None and any(held):
+            del self._known[z.tobytes()]
+        made = self._made(z)
+        if made is None:
+            self._ends = held
+            return False
+        self._ends = [ends or None for _, ends in made]
+        if all(map(_same, held, self._ends)):
+            return False
+        self._known = {z.tobytes(): made}
+        self.best = self._trial(z, made)
+        return True
+
+    def _made(self, z: Floats) -> list[Made] | None:
+        key = z.tobytes()
+        if key not in self._known:
+            values = self.parameters.values(z)
+            self.trials += 1
+            try:
+                made = [self._run(e, values, ends) for e, ends in zip(self.experiments, self._ends)]
+            except Failed as e:
+                self.failures += 1
+                self.why = str(e)
+                self._tried(Trial(self.trials, z.copy(), values, math.inf, self.why))
+                return None
+            self._known[key] = made
+            self._tried(self._trial(z, made))
+            for old in list(self._known)[:-20]:
+                del self._known[old]
+        return self._known[key]
+
+    def residuals(self, z: Floats) -> Floats:
+        """(m,) weighted differences; nan where a model fails, which has optimisers step back."""
+        made = self.predictions(z)
+        if made is None:
+            return np.full(len(self.data), np.nan)
+        return np.asarray(self.weight * (np.concatenate(made) - self.data))
+
+    def objective(self, z: Floats) -> float:
+        """Sum of squares of the residuals, a large number where a model fails."""
+        r = self.residuals(z)
+        f = float(r @ r)
+        worst = self.best.objective if self.best is not None else 1.0
+        return f if math.isfinite(f) else 1e3 * max(worst, 1e-300) + 1.0
+
+    def jacobian(self, z: Floats) -> Floats:
+        """(m, n) dr/dz: exact where an experiment has derivatives, else by one-sided differences.
+
+        A run that fails, or cuts a time step that the present one does not, is tried on the other side, then with a
+        quarter of the step.
+        """
+        made = self._made(z)
+        if made is None:
+            raise Stopped(self.why)
+        values = self.parameters.values(z)
+        columns = []
+        exact = [self._exact(e, values) for e in self.experiments]
+        for k in range(len(self.parameters)):
+            rows = [e.weight * (given[k] if k in given else self._difference(e, z, k, *old))
+                    for e, given, old in zip(self.experiments, exact, made)]  # fmt: skip
+            columns.append(np.concatenate(rows))
+        return np.column_stack(columns)
+
+    def _exact(self, e: Experiment, values: Floats) -> dict[int, Floats]:
+        """dy/dz of the parameters whose paths an experiment differentiates itself; tied values are left to
+        differences."""
+        p = self.parameters
+        given = e.derivatives(p.settings(values, e.name))
+        slopes = p.slopes(values)
+        tied = {name for t in p.ties for name in t.formula.names}
+        return {
+            k: slopes[k] * np.sum([given[path] for path in q.paths], axis=0)
+            for k, q in enumerate(p.every)
+            if q.name not in tied and all(path in given for path in q.paths) and q.owner in ("", e.name)
+        }
+
+    def _difference(self, e: Experiment, z: Floats, k: int, old: Floats, ends: list[float]) -> Floats:
+        if not self.parameters.concern(e.name)[k]:
+            return np.zeros(len(old))
+        h = self.step * max(1.0, abs(z[k])) if not self.parameters.every[k].log else self.step
+        room = self.parameters.high[k] - z[k]
+        found: Floats | None = None
+        for dz in (h, -h, 0.25 * h, -0.25 * h) if room >= h else (-h, -0.25 * h):
+            at = z.copy()
+            at[k] = np.clip(at[k] + dz, self.parameters.low[k], self.parameters.high[k])
+            if at[k] == z[k]:
+                continue
+            try:
+                new, own = self._run(e, self.parameters.values(at), ends)
+            except Failed as failure:
+                self.failures += 1
+                self.why = str(failure)
+                continue
+            found = np.asarray((new - old) / (at[k] - z[k]))
+            if _same(ends, own):
+                break
+        if found is not None:
+            return found
+        raise Stopped(f"{self.parameters.names[k]}: no run beside the present values solves: {self.why}")
+
+    def _trial(self, z: Floats, made: list[Made]) -> Trial:
+        r = self.weight * (np.concatenate([found for found, _ in made]) - self.data)
+        return Trial(self.trials, z.copy(), self.parameters.values(z), float(r @ r))
+
+    def _run(self, e: Experiment, values: Floats, ends: list[float] | None) -> Made:
+        if self.most and self.runs >= self.most:
+            raise Stopped(f"{self.most} runs are made")
+        self.runs += 1
+        try:
+            made = e.predict(self.parameters.settings(values, e.name), ends)
+        except KeyboardInterrupt:
+            raise Interrupted("interrupted") from None
+        if not np.isfinite(made[0]).all():
+            raise Failed(f"{e.name}: what is compared is no number")
+        return made
+
+    def _tried(self, trial: Trial) -> None:
+        if math.isfinite(trial.objective) and (self.best is None or trial.objective < self.best.objective):
+            self.best = trial
+        if self.tell is not None:
+            self.tell(trial)
+
+
+def _same(a: list[float] | None, b: list[float] | None) -> bool:
+    """Are these the ends of the same time steps?"""
+    if a is None or b is None:
+        return a is b
+    return len(a) == len(b) and bool(np.allclose(a, b, rtol=1e-9, atol=0.0))
