@@ -82,22 +82,17 @@ def statistics(parameters: Parameters, z: Floats, r: Floats, J: Floats, known: b
     seen = s > BLIND * s[0] if len(s) else np.zeros(0, bool)
     with np.errstate(divide="ignore"):
         spread = sigma / s
-    inverse = np.linalg.inv(_scaled(J[:, free])) if seen.all() and len(s) else np.full((int(free.sum()),) * 2, np.nan)
-    column = np.sqrt((J[:, free] ** 2).sum(axis=0))
     cov = np.full((n, n), np.nan)
-    cov[np.ix_(free, free)] = sigma**2 * inverse / np.outer(column, column)
+    if len(s) and s[0] > 0 and seen.all():
+        column = np.sqrt((J[:, free] ** 2).sum(axis=0))
+        U = J[:, free] / column
+        cov[np.ix_(free, free)] = sigma**2 * np.linalg.inv(U.T @ U) / np.outer(column, column)
     q = float(norm.ppf(0.5 + level / 2) if known else t.ppf(0.5 + level / 2, max(left, 1)))
     half = q * np.sqrt(np.diag(cov))
     low = np.array([_outer(p, v) for p, v in zip(parameters.every, z - half)])
     high = np.array([_outer(p, v) for p, v in zip(parameters.every, z + half)])
     directions = tuple(Direction(_spread(V[k], free, n), float(s[k]), float(spread[k])) for k in range(len(s)))
     return Statistics(cov * np.outer(slopes, slopes), low, high, free, sigma, directions, level)
-
-
-def _scaled(J: Floats) -> Floats:
-    """J^T J of columns of unit size."""
-    U = J / np.sqrt((J**2).sum(axis=0))
-    return np.asarray(U.T @ U)
 
 
 def _outer(p: Parameter, z: float) -> float:

@@ -122,7 +122,7 @@ def indented() -> febkit.Model:
     m.fix(m.nodes(part="layer", x="min"), "x")
     m.fix(m.nodes(part="layer", y="min"), "y")
     m.fix(m.nodes(part="layer", z=1.0), "p")
-    m.touch("under", "over", "sliding-elastic", penalty=1.0, auto_penalty=True, two_pass=False, symmetric_stiffness=False)
+    m.touch("over", "under", "sliding-elastic", penalty=5.0, auto_penalty=True)
     m.fix_body("ball", "Rx", "Ry", "Ru", "Rv", "Rw")
     m.move_body("ball", z=-0.15, curve=[(0, 0), (20, 1)])
     m.step(time=2000, dt=4, dtmax=300, solver=NEWTON)
