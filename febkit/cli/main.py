@@ -23,9 +23,9 @@ VERBS = {
     "compare": "Compare cell metrics of two models statistically.",
     "plot": "Draw figures of metrics and results.",
     "view": "Look at results in the browser.",
+    "fit": "Fit parameters of models to experiments.",
     "sweep": "Solve a model at many values of its parameters.",
     "study": "Plan, run and report a whole study.",
-    "fit": "Fit parameters of models to experiments.",
     "diff": "Compare two inputs or two results.",
 }
 

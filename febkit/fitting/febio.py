@@ -102,8 +102,7 @@ def _solved(file: Optimise, problem: Problem) -> Ended:
     if file.method == "powell":
         return methods.powell(problem, small)
     most = int(file.options.get("max_iter", 100))
-    A, b = (file.A, file.b) if len(file.b) else (None, None)
-    ended = methods.steadied(problem, lambda z: methods.least_squares(problem, small, most, A, b, z))
-    if b is None:
-        return ended
+    if not len(file.b):
+        return methods.least_squares(problem, small, most)
+    ended = methods.least_squares(problem, small, most, file.A, file.b)
     return replace(ended, J=None)  # which is of all directions, those that the constraints shut too

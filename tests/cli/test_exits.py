@@ -32,6 +32,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory, plug: str) -> Path:
     (d / "turned.feb").write_text(turned[:start] + turned[end + len("</time_stepper>") :])
     (d / "page.feb").write_text("<html/>")
     (d / "study.toml").write_text('name = "s"\nno_such_entry = 3\n')
+    fit = 'model = "plug.feb"\ndata = "force.csv"\nobserve = "reaction top z"\n'
+    start = '[parameters]\n"cartilage.solid.E" = [0.1, 0.5, 3]\n'
+    (d / "force.csv").write_text("time,force\n2,-0.002\n5,-0.005\n10,-0.01\n")
+    (d / "fit.toml").write_text(fit + start)
+    (d / "short.toml").write_text(f"most = 1\n{fit}{start}")
+    (d / "bone.toml").write_text(fit + start.replace("cartilage", "bone"))
+    (d / "optimise.feb").write_text("<febio_optimize version='2.0'><Options type='genetic'/></febio_optimize>")
     for ending in ("feb", "xplt", "nc", "stl", "toml"):
         (d / f"empty.{ending}").touch()
         (d / f"binary.{ending}").write_bytes(bytes(range(256)) * 8)
@@ -110,6 +117,12 @@ CASES = [
     ("plot histories cells.nc -o out/h.bmp", 2, "ends in .png"),
     ("plot section plug.xplt -f effective_stress --at 0.1 --window 1 0 0 1 -o out/s.png", 2, "--window"),
     ("view page.feb --no-browser", 2, "page.feb"),
+    ("fit fit.toml -w out/fitted.feb", 0, "R^2 ="),
+    ("fit short.toml", 1, "1 runs are made"),
+    ("fit bone.toml", 2, "bone"),
+    ("fit optimise.feb", 2, "febkit fit optimise.feb MODEL.feb"),
+    ("fit optimise.feb plug.feb", 2, "optimise.feb:1: <febio_optimize> has no <Parameters>"),
+    ("run plug.feb -s optimise.feb", 2, "optimise.feb:1: "),
     ("sweep plug.feb --vary cartilage.solid.E=1:-2 --observe x", 2, "low < high"),
     ("sweep plug.feb --vary cartilage.solid.E --observe x", 2, "PATH=LOW:HIGH"),
     ("study status study.toml", 2, "no_such_entry"),
@@ -145,7 +158,7 @@ def test_wrong_files_are_refused_in_a_sentence(folder: Path, verb: str) -> None:
     shutil.rmtree(folder / "out", ignore_errors=True)
     (folder / "out").mkdir()
     ending = {"study": "toml", "metrics": "xplt", "compare": "nc", "plot": "nc", "boundary": "xplt",
-              "info": "xplt", "diff": "xplt"}.get(verb, "feb")  # fmt: skip
+              "info": "xplt", "diff": "xplt", "fit": "toml"}.get(verb, "feb")  # fmt: skip
     pipe = folder / f"pipe.{ending}"
     if not pipe.exists():
         os.mkfifo(pipe)
