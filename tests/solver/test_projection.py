@@ -48,11 +48,10 @@ def test_no_oscillation_below_the_vermeer_verruijt_step() -> None:
 
 @pytest.mark.parametrize("tau", [0.0, 1.0])
 def test_order_in_space_is_kept(tau: float) -> None:
-    error = []
+    error, t, steps = [], 0.2 / (HA * K), 400
+    fine = _consolidated(80, t / steps, steps, 0.0)
     for n in (5, 10, 20):
-        t, steps = 0.2 / (HA * K), 400
         z, p = _consolidated(n, t / steps, steps, tau)
-        fine = _consolidated(80, t / steps, steps, 0.0)
         error.append(np.sqrt(np.mean((p - np.interp(z, *fine)) ** 2)))
     rates = np.log2(np.array(error[:-1]) / error[1:])
     assert (rates > 1.8).all(), (error, rates)
