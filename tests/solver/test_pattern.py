@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from febkit.solver.kernels import pattern, ties
 
@@ -40,3 +41,28 @@ def test_tied_unknowns() -> None:
         INDPTR.astype(np.int32), INDICES.astype(np.int32), data, np.zeros(N), np.zeros(N), True,
     )  # fmt: skip
     assert (_dense(data) == MIRRORED).all()
+
+
+@pytest.mark.parametrize("upper", [True, False])
+@pytest.mark.parametrize("d", [2, 5], ids=["found one by one", "looked up at once"])
+def test_small_matrices_in_long_rows(d: int, upper: bool) -> None:
+    """Of 20 unknowns the last is prescribed: its column goes to the right side."""
+    n, rng = 20, np.random.default_rng(0)
+    m = n - 1
+    first = np.arange(m) if upper else np.zeros(m, int)
+    indices = np.concatenate([np.arange(i, m) for i in first]).astype(np.int32)
+    indptr = np.concatenate([[0], np.cumsum(m - first)]).astype(np.int32)
+    dofs = np.array([rng.permutation(n)[:d] for _ in range(30)], np.int32)
+    K, step, Fd, whole = rng.normal(size=(30, d, d)), rng.normal(size=n), np.zeros(n), np.zeros((n, n))
+    data = np.zeros(len(indices))
+    pattern.scatter_any(K, dofs, np.append(np.arange(m), -1), indptr, indices, data, step, Fd, upper)
+    for k, q in zip(K, dofs, strict=True):
+        whole[np.ix_(q, q)] += k
+    rows = np.repeat(np.arange(m), m - first)
+    np.testing.assert_allclose(data, (whole.T if upper else whole)[rows, indices], atol=1e-14)
+    np.testing.assert_allclose(Fd[:m], -whole[:m, m] * step[m], atol=1e-14)
+    held, before = rng.random(m) < 0.3, data.copy()
+    pattern.uncouple(indptr, indices, data, held)
+    alone = (held[rows] | held[indices]) & (rows != indices)
+    empty = held[rows] & (rows == indices) & (before == 0.0)
+    assert alone.any() and (data == np.where(alone, 0.0, np.where(empty, -1.0, before))).all()
