@@ -7,7 +7,7 @@ in column ``columns[k]`` of node ``nodes[:, k]``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,8 @@ NOWHERE = np.zeros(0, np.int64)
 
 class Action:
     """``alpha``: weight of the step's end in forces taken within it; ``steady``: the analysis is a steady state. The
-    system of an analysis step sets both.
+    system of an analysis step sets both. ``retraces``: where a step ends does not depend on how its iterations went, so
+    that it can be differentiated (:mod:`.sensitivity`).
 
     A load has ``residual(state, R)``; a body load has the groups it may act on besides, and a contact is updated
     (:mod:`.loads.body`, :mod:`.contact.base`).
@@ -32,6 +33,7 @@ class Action:
 
     alpha: float = 1.0
     steady: bool = False
+    retraces: ClassVar[bool] = True
 
     @property
     def symmetric(self) -> bool:

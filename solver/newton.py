@@ -70,6 +70,7 @@ class Newton:
         self.count = Counts()
         self.calm = 0  # steps since one that was hard
         self.augments = any(g.physics.augments for g in system.groups) or any(a.augments for a in system.acting)
+        self.before_augment: Callable[[], None] = lambda: None  # told of solutions whose multipliers are renewed next
         self.fresh: Strategy = Loop(self)
         self.usual: Strategy = self.fresh
         self.reuse = reuse and not self.full
@@ -132,21 +133,29 @@ class Newton:
             how.solve()
         finally:
             self.count.factorisations = self.inverse.made - made
-        self.total = self.system.accumulate(self.total, self.increment)
-        if self.system.dry is not None:
-            self.total[self.system.dry] = self.system.ambient
+        self.finish()
         self.calm = 0 if how.renewed or self.count.iterations > EASY else self.calm + 1
         return self.count
 
     def begin(self) -> Floats:
         """The present time step begins: contacts and stresses are updated. Increments of prescribed unknowns."""
         system = self.system
-        self.increment, self.target = np.zeros_like(self.total), self._targets()
+        self.aim()
         given = np.zeros_like(self.total)
         given[self.given] = (system.gather(self.target) - system.gather(system.state.d))[self.given]
-        system.progress.iterations = system.progress.augmentations = 0
         system.update()
         return given
+
+    def aim(self) -> None:
+        """Nothing has moved yet in the present time step, which prescribed unknowns are to end at their targets."""
+        self.increment, self.target = np.zeros_like(self.total), self._targets()
+        self.system.progress.iterations = self.system.progress.augmentations = 0
+
+    def finish(self) -> None:
+        """The increment is the step's."""
+        self.total = self.system.accumulate(self.total, self.increment)
+        if self.system.dry is not None:
+            self.total[self.system.dry] = self.system.ambient
 
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
@@ -171,6 +180,7 @@ class Newton:
     def augment(self) -> bool:
         """Renew all multipliers; have they converged? Where not, the system is updated with them."""
         k, system = self.count, self.system
+        self.before_augment()
         done = [g.physics.augment(k.augmentations) for g in system.groups]
         done += [a.augment(k.augmentations, system.state) for a in system.acting]
         k.augmentations += 1

@@ -178,6 +178,23 @@ class Run:
 
     def _analysis(self) -> str:
         """One analysis step; returns why it failed, or nothing."""
+        reason = self._enter()
+        if reason:
+            return reason
+        assert self.stepper is not None
+        try:
+            while self.stepper.end - self.state.time > abs(self.stepper.end) * 1e-7:
+                reason = self._time_step()
+                if reason:
+                    return reason
+        finally:
+            self.totals.factor = dict(self.newton.inverse.solver.stats)
+            self.newton.close()
+        self._save("step")
+        return ""
+
+    def _enter(self) -> str:
+        """Begin an analysis step; returns why it cannot, or nothing."""
         step, s = self.step, self.state
         self._initial(step)
         if self.index == 0 and len(self.problem.steps) > 1:
@@ -189,7 +206,7 @@ class Run:
         assert self.system is not None
         self._begin(step)
         try:
-            self.stepper = stepper(step, s.time, self.options.accuracy)
+            self.stepper = self._stepper()
         except ValueError as e:
             return str(e)
         self.integrator = self._second_order(self.newton)
@@ -205,16 +222,11 @@ class Run:
                 accelerate(self.system, route)
             except LinearError as e:
                 return f"the accelerations at the start: {e}"
-        try:
-            while self.stepper.end - s.time > abs(self.stepper.end) * 1e-7:
-                reason = self._time_step()
-                if reason:
-                    return reason
-        finally:
-            self.totals.factor = dict(self.newton.inverse.solver.stats)
-            self.newton.close()
-        self._save("step")
         return ""
+
+    def _stepper(self) -> FixedSteps:
+        """What sizes the time steps of the analysis step. Raises ValueError where there can be none."""
+        return stepper(self.step, self.state.time, self.options.accuracy)
 
     def _open(self) -> Route:
         """The system of the analysis step and what solves it, for the elements that there are. Raises LinearError."""

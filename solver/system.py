@@ -215,7 +215,12 @@ class System:
 
     # ---- state ------------------------------------------------------------------------------------
     def set(self, total: Floats, increment: Floats, u: Floats, target: Floats) -> None:
-        """Move the state to free unknowns ``total`` + ``increment`` + ``u``, given ones to ``target``; update stresses.
+        """Move the state as :meth:`place` does; update stresses."""
+        self.place(total, increment, u, target)
+        self.update()
+
+    def place(self, total: Floats, increment: Floats, u: Floats, target: Floats) -> None:
+        """Move the state to free unknowns ``total`` + ``increment`` + ``u``, given ones to ``target``.
 
         ``increment`` is that of the step so far, to which ``u`` is added (rotations of rigid bodies: composed).
         """
@@ -236,7 +241,6 @@ class System:
         if self.constraints is not None:
             self.constraints.enforce(s)
         self._rates()
-        self.update()
 
     def _keep_positive(self) -> None:
         """Free concentrations below zero are taken as zero; the equations keep what they had (as in FEBio)."""

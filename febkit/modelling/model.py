@@ -359,14 +359,15 @@ class Model(Stage):
               at: Sequence[float] | None = None, **options: Any) -> Solution:  # fmt: skip
         """Solve the model in memory; ``result.dataset`` holds its fields: see :func:`.solution.solve`.
 
-        plotfile: a file to write instead; variables: plot variables to keep; at: times to keep, met exactly; other
-        options (threads, progress, accuracy, ...) are those of :func:`febkit.solve`. A later solve of this model or of
+        plotfile: a file to write instead; variables: plot variables to keep; at: times to keep, met exactly;
+        sensitivity: paths of parameters by which ``result.sensitivity`` has derivatives of all fields; other options
+        (threads, progress, accuracy, ...) are those of :func:`febkit.solve`. A later solve of this model or of
         a copy finds what an edit left as it was: see :class:`.again.Again`.
         """
         from .solution import solve
 
         with self._again.lent() as again:
-            return solve(self._record, plotfile, again, variables=variables, at=at, **options)
+            return solve(self._record, plotfile, again, Model.of, variables=variables, at=at, **options)
 
 
 def read(path: str | PathLike[str]) -> Model:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +15,13 @@ from febkit.model import Model as Record
 if TYPE_CHECKING:
     import xarray as xr
 
+    from febkit.observe import Observe
     from febkit.solver.result import Result, Totals
     from febkit.solver.state import State
 
     from .again import Again
+    from .model import Model
+    from .sensitivity import Given, Sensitivity
 
 
 class Solution:
@@ -28,8 +31,11 @@ class Solution:
     :attr:`dataset`; state: the nodal fields at the end (u, p, reaction, ...); totals: steps, iterations, seconds.
     """
 
-    def __init__(self, result: Result, dataset: xr.Dataset | None) -> None:
-        self.result, self._dataset = result, dataset
+    def __init__(
+        self, result: Result, dataset: xr.Dataset | None, sensitivity: Sensitivity | None = None,
+    ) -> None:  # fmt: skip
+        self.result, self._dataset, self._asked = result, dataset, sensitivity
+        self._sensitivity: xr.Dataset | None = None
 
     @property
     def converged(self) -> bool:
@@ -62,6 +68,25 @@ class Solution:
             raise InputError("nothing was kept of this run: no state was solved")
         return self._dataset
 
+    @property
+    def sensitivity(self) -> xr.Dataset:
+        """Derivatives of the dataset's variables by the parameters that were asked for (parameter, ...).
+
+        ``method`` says for each parameter whether they are "direct", from the equations of each step, or by
+        "differences" of whole runs, and ``attrs["why"]`` why.
+        """
+        if self._asked is None:
+            raise InputError('no derivatives were asked for: solve(sensitivity=["cartilage.solid.E"])')
+        if self._sensitivity is None:
+            self._sensitivity = self._asked.dataset(self.dataset)
+        return self._sensitivity
+
+    def sensitivity_of(self, observe: Observe) -> xr.Dataset:
+        """Derivatives (parameter, time) of observables, in words or functions of a dataset (:mod:`febkit.observe`)."""
+        from .sensitivity import of_observables
+
+        return of_observables(observe, self.dataset, self.sensitivity)
+
     def __bool__(self) -> bool:
         return self.converged
 
@@ -73,15 +98,17 @@ class Solution:
 
 
 def solve(
-    model: Record, plotfile: Any = None, again: Again | None = None, *, variables: Sequence[str] | None = None,
-    at: Sequence[float] | None = None, **options: Any,
+    model: Record, plotfile: Any = None, again: Again | None = None, of: Callable[[Record], Model] | None = None, *,
+    variables: Sequence[str] | None = None, at: Sequence[float] | None = None, sensitivity: Given | None = None,
+    sensitivity_tolerance: float = 1e-3, **options: Any,
 ) -> Solution:  # fmt: skip
     """Solve a model and keep its fields.
 
     Without ``plotfile`` they stay in memory (single precision, as a plotfile holds them) and no file is written; with
     one the dataset reads it when touched. ``variables``: plot variables instead of the model's; ``at``: times that are
-    met and kept, instead of the states that the model asks for; ``again``: what an earlier run left. Other options are
-    those of :func:`febkit.solve`.
+    met and kept, instead of the states that the model asks for; ``again``: what an earlier run left; ``sensitivity``:
+    paths of parameters by which results are differentiated, to ``sensitivity_tolerance`` in each step; ``of``: what
+    makes of records models that can be edited. Other options are those of :func:`febkit.solve`.
     """
     from febkit.results import open as open_results
     from febkit.solving import solve as run
@@ -93,17 +120,23 @@ def solve(
         model = replace(model, output=replace(model.output or Output(), plot=plot))
     if at is not None:
         model = kept_at(model, at)
+    asked = None
+    if sensitivity is not None and of is not None:
+        from .sensitivity import Sensitivity
+
+        asked = Sensitivity(of(model), sensitivity, sensitivity_tolerance, options)
+        options["listeners"] = [*asked.listeners, *options.get("listeners", ())]
     if again is not None:
         options["graph"] = again.graphs
     if plotfile is not None:
         result = run(model, plotfile, **options)
-        return Solution(result, picked(open_results(plotfile), at) if Path(plotfile).is_file() else None)
+        return Solution(result, picked(open_results(plotfile), at) if Path(plotfile).is_file() else None, asked)
     from febkit.files import Buffer
     from febkit.results import held
 
     buffer = Buffer()
     result = run(model, buffer, **options)
-    return Solution(result, picked(held(buffer.data), at).load() if buffer.data else None)
+    return Solution(result, picked(held(buffer.data), at).load() if buffer.data else None, asked)
 
 
 def picked(ds: xr.Dataset, at: Sequence[float] | None) -> xr.Dataset:

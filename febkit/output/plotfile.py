@@ -125,31 +125,39 @@ class PlotListener(Listener):
     def save(self, run: Run, status: int) -> None:
         if self.view is None:
             self.view = plot.View(run, self.model, self.mesh)
-        self.view.renew()
-        data: dict[str | int, Any] = {k: self._values(self.view, k) for k in range(len(self.asked))}
+        self.write(run, self.values(self.view), status)
+
+    def values(self, view: plot.View) -> list[dict[int, Floats]]:
+        """What is asked for, by region, at the present state of the view's run."""
+        view.renew()
+        return [self._values(view, k) for k in range(len(self.asked))]
+
+    def write(self, run: Run, values: list[dict[int, Floats]], status: int) -> None:
+        """Add a state of these values."""
+        data: dict[str | int, Any] = {
+            k: {region: single(v, asked.name) for region, v in found.items()}
+            for k, ((asked, _), found) in enumerate(zip(self.asked, values))
+        }
         self.writer.state(run.state.time, data, status)
         self.states += 1
         if run.totals.steps or not self.writer.output.replaces:
             self.writer.output.place()
 
-    def _values(self, view: plot.View, k: int) -> dict[int, Any]:
+    def _values(self, view: plot.View, k: int) -> dict[int, Floats]:
         """Values of a variable by region."""
         asked, give = self.asked[k]
         section = self.variables[k].section
-        if section == "node":
+        if section in ("node", "global"):
             v = give(view, *asked.more)
-            return {} if v is None else {0: single(v[: len(self.mesh.X)], asked.name)}
-        if section == "global":
-            v = give(view, *asked.more)
-            return {} if v is None else {0: single(v, asked.name)}
-        out: dict[int, Any] = {}
+            return {} if v is None else {0: v[: len(self.mesh.X)] if section == "node" else v}
+        out: dict[int, Floats] = {}
         chosen = asked.surface if section == "surface" else asked.part
         regions: list[Any] = view.faces if section == "surface" else view.parts
         for number, region in enumerate(regions, start=1):
             if chosen is None or region.name == chosen:
                 v = give(region, *asked.more)
                 if v is not None:
-                    out[number] = single(v, asked.name)
+                    out[number] = v
         return out
 
     def end(self, run: Run, result: Result) -> None:

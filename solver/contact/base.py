@@ -184,6 +184,7 @@ class Contact(Action):
     two_pass: bool = field(default=False, kw_only=True)  # both surfaces act as primary ones
     nodal: ClassVar[bool] = False
     side: ClassVar[type[Side]] = Side
+    retraces: ClassVar[bool] = False
     erodes: ClassVar[bool] = False  # it goes on once facets are taken away (:mod:`..erosion`)
     drains: ClassVar[bool] = False  # ``drained(state)``: nodes held at ``ambient(state)``, by field
 

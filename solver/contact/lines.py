@@ -36,6 +36,7 @@ class Lines(Action):
     maxaug: int = 10
     names: tuple[str, str] = ("", "")
     nodes: Ints = field(init=False)
+    retraces: ClassVar[bool] = False
     memory: ClassVar[tuple[str, ...]] = ("partner", "at", "gap", "multiplier")
     drains: ClassVar[bool] = False
 

@@ -41,6 +41,7 @@ class SlidingElastic(Contact):
     the elements behind. FEBio User Manual, "Sliding-Elastic".
     """
 
+    retraces: ClassVar[bool] = True
     auto_penalty: bool = False
     gaptol: float = 0.0
     knmult: int = 0

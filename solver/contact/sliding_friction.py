@@ -39,6 +39,7 @@ class SlidingFriction(SlidingElastic):
     Zimmerman and Ateshian, J. Biomech. Eng. 140 (2018) 081013.
     """
 
+    retraces: ClassVar[bool] = False  # where points were before is asked in the first iteration
     fric_coeff: float = 0.0
     side: ClassVar[type[Side]] = FrictionPoints
     contact_frac = 1.0  # the fluid bears nothing

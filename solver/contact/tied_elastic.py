@@ -34,6 +34,7 @@ class TiedElastic(Contact):
     g = (q - x) - (q - x)_0. FEBio User Manual, "Tied Elastic".
     """
 
+    retraces: ClassVar[bool] = True
     auto_penalty: bool = False
     gaptol: float = -1.0
     knmult: float = 1.0

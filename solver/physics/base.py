@@ -60,6 +60,11 @@ class Work:
         return False
 
     @property
+    def recalls(self) -> bool:
+        """Do steps begin from more than F, J and the solid's history?"""
+        return True
+
+    @property
     def augments(self) -> bool:
         """Are there multipliers that :meth:`augment` renews?"""
         return False

@@ -70,6 +70,10 @@ class BiphasicWork(StandardWork):
         own = super().symmetric(steady) and not mix.permeability.strain_dependent and mix.supply is None
         return own and not steady
 
+    @property
+    def recalls(self) -> bool:
+        return type(self) is not BiphasicWork or self.steadied.coefficient is not None
+
     def stabilise(self, tau: float) -> None:
         self.steadied.begin(tau)
 

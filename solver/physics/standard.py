@@ -34,6 +34,10 @@ class StandardWork(Work):
     def symmetric(self, steady: bool) -> bool:
         return self.group.block.solid.symmetric
 
+    @property
+    def recalls(self) -> bool:
+        return type(self) is not StandardWork
+
     # ---- stress -----------------------------------------------------------------------------------
     def update(self, c: Chunk, state: State, drive: list[Any]) -> None:
         c.points.t, c.points.dt = state.time, state.dt

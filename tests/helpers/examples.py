@@ -546,6 +546,30 @@ def varied(record, n, only=None, seed=7):
     return names
 
 
+def moved(record, amounts):
+    """Add to the numbers of ``record`` and below what ``amounts`` has for their names; the numbers, by name."""
+    numbers = {}
+
+    def turned(name, v):
+        v = as_value(v) if name.endswith("density_") else v
+        if isinstance(v, Constant):
+            numbers[name] = v.number
+            return Constant(v.number + amounts.get(name, 0.0))
+        if isinstance(v, (tuple, list)):
+            return type(v)(turned(f"{name}[{k}]", x) for k, x in enumerate(v))
+        if is_dataclass(v) and not isinstance(v, type):
+            walk(v, f"{name}.")
+        return v
+
+    def walk(r, prefix):
+        for f in fields(r):
+            setattr(r, f.name, turned(prefix + f.name, getattr(r, f.name)))
+        _made_again(r)
+
+    walk(record, "")
+    return numbers
+
+
 def _made_again(record):
     """Have a record that makes others of its numbers make them of the present ones."""
     if hasattr(record, "__post_init__"):

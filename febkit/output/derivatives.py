@@ -1,0 +1,75 @@
+"""Derivatives of plot variables by parameters: in memory, as plotfiles hold values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from febkit.files import Buffer
+from febkit.model import Model
+from febkit.solver.result import Result
+from febkit.solver.run import Listener, Run
+from febkit.solver.sensitivity import Sensitivities
+
+from . import plot
+from .plotfile import Floats, PlotListener
+
+Values = list[dict[int, Floats]]
+
+
+def _quotient(a: Values, b: Values, delta: float) -> Values:
+    return [{r: (v - y[r]) / delta for r, v in x.items() if r in y} for x, y in zip(a, b)]
+
+
+class Derivatives(Listener):
+    """Of what a run saves, by the parameters of ``sensitivities``, which is told of the run's events before this."""
+
+    def __init__(self, model: Model, sensitivities: Sensitivities) -> None:
+        self.model, self.sensitivities = model, sensitivities
+        self.buffers = [Buffer() for _ in sensitivities.varied]
+        self.plots = [PlotListener(model, b, lambda _: None) for b in self.buffers]
+        self._views: dict[Run, plot.View] = {}
+
+    def save(self, run: Run, status: int) -> None:
+        read: dict[Run, Values] = {}
+        for k, p in enumerate(self.plots):
+            if self.sensitivities.lost(k):
+                continue
+            high, low, delta = self.sensitivities.ends(k)
+            for r in (high, low):
+                if r not in read:
+                    read[r] = p.values(self._view(r))
+            p.write(run, _quotient(read[high], read[low], delta), status)
+
+    def _view(self, run: Run) -> plot.View:
+        if run not in self._views:
+            self._views[run] = plot.View(run, self.model, self.plots[0].mesh)
+        return self._views[run]
+
+    def end(self, run: Run, result: Result) -> None:
+        for p in self.plots:
+            p.end(run, result)
+
+
+class Kept(PlotListener):
+    """Values of a run, state by state."""
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model, Buffer(), lambda _: None)
+        self.kept: list[Values] = []
+
+    def write(self, run: Run, values: Values, status: int) -> None:
+        self.kept.append([{r: np.array(v) for r, v in found.items()} for found in values])
+
+
+class Difference(PlotListener):
+    """What a run saves less what another one did (``other``), over ``delta``."""
+
+    def __init__(self, model: Model, other: list[Values], delta: float) -> None:
+        self.buffer = Buffer()
+        super().__init__(model, self.buffer, lambda _: None)
+        self._other, self._delta = iter(other), delta
+
+    def write(self, run: Run, values: Values, status: int) -> None:
+        other = next(self._other, None)
+        if other is not None:
+            super().write(run, _quotient(values, other, self._delta), status)

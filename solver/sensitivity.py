@@ -1,0 +1,254 @@
+"""Derivatives of a run by parameters: the equations of each time step, differentiated.
+
+For each parameter a variation of the run (:mod:`.variation`) has theta + delta in its place. After each step of the run
+to U, where it leaves the residual R(U), the variations go to U' where R'(U') = R(U). x = (U' - U) / delta then solves
+
+    K x = -(dR/dtheta + dR/dU_n x_n + dR/dh_n y_n) + O(delta),
+
+y_n derivatives of histories h_n: all derivatives of R and of the laws' updates are differences along the directions
+that are needed. The factorisation that Newton's last iteration leaves stands in for K^-1, for all parameters at once;
+multisecant corrections as in :class:`.quasi_newton.Anderson`, of pairs that all parameters share, make good for what
+it is not. Step sizes are the run's: they have no derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .finite import NotFinite
+from .group import ElementFailure
+from .linear.base import LinearError, LinearSolver
+from .linear.pardiso import Pardiso
+from .newton import Counts
+from .problem import Problem
+from .run import Listener, Run
+from .step_state import StepState
+from .variation import Variation
+
+Floats = NDArray[np.float64]
+STEP, BOTH = 1e-6, 1e-5  # delta over theta, where there is one variation for a parameter, and two
+MOST = 25  # corrections in a step
+PAIRS = 12  # the last ones are kept
+SLOW = 0.005  # of an error that a correction may leave, though the last one left less
+NOISE = 1e-14  # of positions and other unknowns: what is within it over delta counts as nothing
+HIDDEN = 1e-12  # of them: changes within it are too rough to learn from
+JUMP = 1e-4  # of them, in a variation: its parameter makes it jump
+LOST = 1e-3  # relative error from which a derivative is given up
+
+
+def refusal(problem: Problem) -> str:
+    """Why the equations of a problem's steps are not differentiated; empty where they are."""
+    steps = [problem.common, *problem.steps]
+    if any(s.explicit for s in steps):
+        return "the analysis is explicit"
+    if any(s.adaptors for s in steps):
+        return "elements are taken away"
+    for a in (c for s in steps for c in s.contacts if not c.retraces):
+        return f"contact by {type(a).__name__} depends on how iterations go"
+    return ""
+
+
+@dataclass(eq=False)
+class _Search:
+    """One variation's way to the run's residual: y, the correction that M^-1 makes of the difference; u, the one taken;
+    ``left``: relative sizes of y so far; ``rate``: what a correction leaves of them."""
+
+    of: Variation
+    rate: float
+    left: list[float] = field(default_factory=list)
+    y: Floats = field(default_factory=lambda: np.zeros(0))
+    u: Floats = field(default_factory=lambda: np.zeros(0))
+
+    def correct(self, u: Floats, e: float) -> None:
+        if self.left and self.left[-1] > 0.0:
+            self.rate = e / self.left[-1]
+        self.left.append(e)
+        self.u = u
+        self.of.correct(u)
+
+    def ended(self, tolerance: float) -> bool:
+        """Is the error small enough once corrected, or as small as rounding lets it be?"""
+        e = self.left[-1]
+        stuck = e <= 0.1 * LOST and len(self.left) > 2 and e > 0.5 * self.left[-3]
+        return stuck or e * min(max(self.rate, SLOW), 1.0) <= tolerance
+
+
+class Sensitivities(Listener):
+    """Follows a run by variations: for each parameter one or two problems with what it has more there (delta).
+
+    tolerance: relative error of the derivatives of each nodal field, from step to step. Beyond it they have the error
+    of one-sided differences, about delta, or of central ones, its square. ``runs`` are the variations of each
+    parameter, as they stand; ``steps`` (end, is it a must point) the run's; ``passes`` counts residuals.
+    """
+
+    def __init__(self, varied: Sequence[Sequence[tuple[Problem, float]]], tolerance: float = 1e-3) -> None:
+        self.varied, self.tolerance = list(varied), tolerance
+        self.runs: list[list[Variation]] = []
+        self.steps: list[list[tuple[float, bool]]] = []
+        self.passes = 0
+        self._before: list[StepState] = []
+
+    # ---- events -----------------------------------------------------------------------------------
+    def start(self, run: Run) -> None:
+        self.steps = []
+        self.runs = [[Variation(p, delta, run) for p, delta in some] for some in self.varied]
+        for v in self.all:
+            v._set_up()
+
+    def begin_analysis(self, run: Run) -> None:
+        self.steps.append([])
+        for v in self.live:
+            v.enter()
+        self._begun, self._made = False, -1
+        if self.varied and run.newton.augments:
+            run.newton.before_augment = lambda: self._follow(run, augment=True)
+
+    def begin_step(self, run: Run, number: int, time: float) -> None:
+        if not run.newton.augments:
+            return
+        if self._begun:
+            for before in self._before:
+                before.restore()
+        self._begun = False
+        self._before = [StepState(v.state, [*v.groups, *v.acting, v.newton]) for v in self.live]
+
+    def converged(self, run: Run, counts: Counts) -> None:
+        assert run.stepper is not None
+        self.steps[-1].append((run.state.time, run.stepper.at_must_point))
+        if not run.newton.augments:
+            self._follow(run)
+        for v in self.live:
+            v.end()
+            if np.linalg.norm(v.delta * v.grown) > JUMP * np.linalg.norm(_unknowns(run)):
+                v.lost = f"the answer jumps with the parameter, at time {run.state.time:g}"
+        self._begun = False
+
+    # ---- what comes of it -------------------------------------------------------------------------
+    @property
+    def all(self) -> list[Variation]:
+        return [v for some in self.runs for v in some]
+
+    @property
+    def live(self) -> list[Variation]:
+        """The variations that still follow."""
+        return [v for v in self.all if not v.lost]
+
+    def lost(self, k: int) -> str:
+        """Why there are no derivatives by parameter k, in a sentence."""
+        return next((v.lost for v in self.runs[k] if v.lost), "")
+
+    def ends(self, k: int) -> tuple[Run, Run, float]:
+        """Two runs that differ in parameter k alone, and by how much; brought up to date."""
+        v, *other = self.runs[k]
+        for q in (v, *other):
+            q.show()
+        return (v, other[0], v.delta - other[0].delta) if other else (v, v.base, v.delta)
+
+    def of(self, k: int, value: Callable[[Run], Any]) -> Floats:
+        """The derivative of a value of runs by parameter k."""
+        high, low, delta = self.ends(k)
+        return np.asarray((np.asarray(value(high)) - value(low)) / delta)
+
+    # ---- a time step ------------------------------------------------------------------------------
+    def _follow(self, run: Run, augment: bool = False) -> None:
+        if not self.live:
+            return
+        with run.clock("sensitivities"):
+            _each(self.live, Variation.again if self._begun else Variation.begin)
+            self._begun = True
+            self._match(run)
+            if augment:
+                _each(self.live, lambda v: v.newton.augment())
+
+    def _match(self, run: Run) -> None:
+        """Bring the variations to the run's residual."""
+        assert run.system is not None
+        R, U, inverse = run.system.residual()[run.newton.rows], _unknowns(run), run.newton.inverse
+        fresh, self._made = inverse.made != self._made, inverse.made
+        pairs, active = _Pairs(U), {v: _Search(v, v.usual if fresh else 1.0) for v in self.live}
+        for _ in range(MOST):
+            found = _each(active, lambda v: (v.look() - R) / v.delta)
+            self.passes += len(found)
+            for v, y in zip(found, solve_all(inverse.solver, np.array(list(found.values())))):
+                if active[v].left:
+                    pairs.add(active[v].u, active[v].y - y, v.delta)
+                active[v].y = y
+            for v in found:
+                w, y = self._weights(run, v, active[v].y, U), active[v].y
+                active[v].correct(pairs.corrected(y, w), float(np.linalg.norm(w * y)))
+                if active[v].ended(self.tolerance) and fresh:
+                    v.usual = active[v].rate
+            active = {v: active[v] for v in found if not active[v].ended(self.tolerance)}
+            if not active:
+                break
+        for v, search in active.items():
+            if search.left[-1] > LOST:
+                v.lost = f"its equations are not solved to better than {search.left[-1]:.2g}, at time {v.state.time:g}"
+        _each(self.live, Variation.stay)
+
+    def _weights(self, run: Run, v: Variation, y: Floats, U: Floats) -> Floats:
+        """Weights (row,) that make the norm of a correction relative, field by field."""
+        assert run.system is not None
+        x, w, least = v.grown + v.x + y, np.zeros(len(y)), NOISE / self.tolerance / abs(v.delta)
+        column = run.system.eqs.column[run.newton.rows]
+        for f in run.system.layout.normed:
+            own = run.system.layout.equations(f, column)
+            size = max(float(np.linalg.norm(x[own])), least * float(np.linalg.norm(U[own])))
+            w[own] = 1.0 / size if size > 0.0 else 0.0
+        return w
+
+
+class _Pairs:
+    """Corrections d and what they changed, M^-1 (R - R1) = Z: an inverse that is better than M^-1. Both are kept as the
+    variations hold them, times delta: so rounding is the same in all."""
+
+    def __init__(self, U: Floats) -> None:
+        self._U = U
+        self._d: list[Floats] = []
+        self._Z: list[Floats] = []
+
+    def add(self, d: Floats, Z: Floats, delta: float) -> None:
+        self._d, self._Z = [*self._d[1 - PAIRS :], delta * d], [*self._Z[1 - PAIRS :], delta * Z]
+
+    def corrected(self, y: Floats, w: Floats) -> Floats:
+        """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides."""
+        if not self._d:
+            return y
+        Z = np.array(self._Z)
+        A = w * Z
+        square, V = np.linalg.eigh(A @ A.T)
+        sound = square > max((HIDDEN * np.linalg.norm(w * self._U)) ** 2, 1e-13 * square[-1])
+        g = V[:, sound] @ ((V[:, sound].T @ (A @ (w * y))) / square[sound])
+        return np.asarray(y + g @ (np.array(self._d) - Z))
+
+
+def _unknowns(run: Run) -> Floats:
+    """Positions and other unknowns (row,), whose rounding forces have."""
+    assert run.system is not None
+    d = run.state.d.copy()
+    if run.state.layout.moves:
+        run.state.layout.u(d)[:] += run.state.X
+    return np.asarray(run.system.gather(d)[run.newton.rows])
+
+
+def _each(runs: Any, do: Callable[[Variation], Any]) -> dict[Variation, Any]:
+    """Do something to each; those are lost where it fails."""
+    out = {}
+    for v in runs:
+        try:
+            out[v] = do(v)
+        except (ElementFailure, NotFinite, LinearError, ArithmeticError) as e:
+            v.lost = f"{e}, at time {v.state.time:g}"
+    return out
+
+
+def solve_all(solver: LinearSolver, B: Floats) -> Floats:
+    """Solutions (k, row) of right sides (k, row)."""
+    if not B.size:
+        return B
+    return solver.solve(B) if isinstance(solver, Pardiso) else np.array([solver.solve(b) for b in B])

@@ -1,0 +1,154 @@
+"""A run beside another one, of the same problem with a parameter that differs a little: its steps are the other's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .newton import Counts, Newton
+from .problem import Problem
+from .route import Route
+from .run import Run
+from .step_state import Part
+from .system import System
+
+Floats = NDArray[np.float64]
+
+
+class Variation(Run):
+    """``problem``: that of the run ``base`` with a parameter ``delta`` larger.
+
+    It takes the steps that the base has taken, from a state and histories of its own, and factorises nothing. x (row,)
+    are derivatives of what the free unknowns grow by in the present step, ``grown`` of what they grew by before it in
+    the present analysis step. ``lost``: why it does not go on, in a sentence; ``usual``: what a correction by a
+    factorisation of the step's own leaves of an error.
+    """
+
+    def __init__(self, problem: Problem, delta: float, base: Run) -> None:
+        super().__init__(problem, (), base.options)
+        self.base, self.delta, self.team = base, delta, base.team
+        self.lost, self.usual = "", 1.0
+        self._current = True  # stresses are those of the present state
+
+    # ---- analysis steps ---------------------------------------------------------------------------
+    def _open(self) -> Route:
+        self.system = System(self.problem, self.step, self.groups, self.state, self.schedule, self.bodies)
+        spare = self.base.newton.inverse.solver
+        self.newton = Newton(self.system, lambda: spare, lambda it: None, self.clock, options=self._newton_options())
+        return Route(self.system, self.options, self.team.n)
+
+    def enter(self) -> None:
+        """Begin the analysis step that the base has begun."""
+        self.index = self.base.index
+        self.lost = self._enter()
+        if self.lost:
+            return
+        assert self.system is not None
+        if not np.array_equal(self.newton.rows, self.base.newton.rows):
+            self.lost = "the unknowns of the model change with it"
+        self.grown = np.zeros(len(self.newton.rows))
+        self._past: list[tuple[float, Floats]] = []
+        remembers = any(g.physics.recalls or g.new.shape[1] for g in self.groups)
+        self._light = not (remembers or self.system.contacts or self.system.following)
+
+    @property
+    def acting(self) -> list[Part]:
+        return [] if self.system is None else [*self.system.acting]
+
+    # ---- time steps -------------------------------------------------------------------------------
+    def begin(self) -> None:
+        """Begin the time step that the base has taken; the first place to look is where the last steps lead."""
+        system, n, base = self.system, self.newton, self.base
+        assert system is not None and base.system is not None
+        self.state.time, self.state.dt = base.state.time, base.state.dt
+        self._prepare()
+        n.count = Counts()
+        n.aim()
+        if system.contacts:
+            system.update()
+            for own, led in zip(system.contacts, base.system.contacts):
+                own.restore(_led(own.snapshot(), led.snapshot()))
+        system.progress.iterations = base.system.progress.iterations
+        self._head(self._guess(self.state.dt))
+
+    def again(self) -> None:
+        """The base has gone on within the step, with new multipliers: look where it is now."""
+        assert self.system is not None and self.base.system is not None
+        self.newton.increment = np.zeros_like(self.newton.total)
+        self.system.progress.iterations = self.base.system.progress.iterations
+        self._head(self._last)
+
+    def _guess(self, dt: float) -> Floats:
+        """x by the rate over the last steps, as many as are at least half as long as this one."""
+        length, grown = 0.0, np.zeros(len(self.newton.rows))
+        for h, x in reversed(self._past):
+            length, grown = length + h, grown + x
+            if length >= 0.5 * dt:
+                break
+        return grown * (dt / length) if length else grown
+
+    def _head(self, x: Floats) -> None:
+        self._ahead = self.base.newton.increment.copy()
+        self._ahead[self.newton.rows] += self.delta * x
+
+    def correct(self, u: Floats) -> None:
+        """Add u (row,) to x."""
+        self._ahead = np.zeros_like(self.newton.total)
+        self._ahead[self.newton.rows] = self.delta * u
+
+    def look(self) -> Floats:
+        """Move as corrected; the residual (row,)."""
+        self.newton.move(self._ahead)
+        self._take()
+        return np.asarray(self.newton.residual()[self.newton.rows])
+
+    def stay(self) -> None:
+        """Move as corrected, for good."""
+        n, system = self.newton, self.system
+        assert system is not None
+        if self._light:
+            system.place(n.total, n.increment, self._ahead, n.target)
+            for g in (g for g in self.groups if g.deforms):
+                g.deform(self.state.u, g.F, g.J)
+        else:
+            n.move(self._ahead)
+        self._current = not self._light
+        self._take()
+        self._last = self.x
+
+    def _take(self) -> None:
+        assert self.system is not None
+        self.newton.increment = self.system.compose(self.newton.increment, self._ahead)
+        self.system.settle()
+
+    @property
+    def x(self) -> Floats:
+        n = self.newton
+        return np.asarray((n.increment - self.base.newton.increment)[n.rows] / self.delta)
+
+    def end(self) -> None:
+        """The time step ends."""
+        self._past = [*self._past[-2:], (self.state.dt, self.x)]
+        self.grown = self.grown + self.x
+        self.newton.finish()
+
+    def show(self) -> None:
+        """Bring stresses and reactions up to date with the present state."""
+        if self.system is None:  # no analysis step has begun
+            return
+        if not self._current:
+            self.system.update()
+            self._current = True
+        self.system.residual()
+
+
+def _led(own: Any, other: Any, name: str = "") -> Any:
+    """A contact's snapshot with what ``other``'s has of partners, places on these and other choices."""
+    if isinstance(own, dict):
+        return {k: _led(v, other[k], k) for k, v in own.items()}
+    if isinstance(own, (list, tuple)):
+        return type(own)(_led(a, b) for a, b in zip(own, other))
+    chosen = name == "rs" or np.asarray(own).dtype.kind in "iub"
+    return other if chosen else own
