@@ -8,6 +8,9 @@ import pytest
 
 pytest.register_assert_rewrite("helpers")
 
+# as where febkit was installed by pip: processes do not compile its sources each time
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 if "PYTEST_XDIST_WORKER" in os.environ:
     # each worker has a processor of its own: MKL's threads would wait for each other, at work
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):

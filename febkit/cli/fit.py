@@ -10,6 +10,7 @@ import click
 from febkit import process
 
 from . import exits, printing, signals
+from .outputs import FORCE, check
 from .paths import INPUT, Output
 
 if TYPE_CHECKING:
@@ -26,9 +27,10 @@ if TYPE_CHECKING:
 @click.option("-p", "--plot", type=Output(".png", ".pdf", ".svg"), help="Draw data, fitted curves and residuals.")
 @click.option("-t", "--threads", type=click.IntRange(0), default=1, show_default=True, help="Threads of each solve.")
 @click.option("-silent", "--silent", is_flag=True, help="Print nothing but errors.")
+@FORCE
 def command(
     fit: Path, model: Path | None, input_: Path | None, log: Path | None, write: Path | None, data: Path | None,
-    plot: Path | None, threads: int, silent: bool,
+    plot: Path | None, threads: int, silent: bool, force: bool,
 ) -> None:
     """Fit what FIT asks for: a fit.toml, or an optimisation file of FEBio's and the MODEL it is for.
 
@@ -37,7 +39,19 @@ def command(
     """
     if model is not None and input_ is not None:
         raise click.UsageError(f"two models, {input_} and {model}: fit one at a time")
-    report(fitted(fit, model or input_, log, threads, silent), write, data, plot, silent)
+    inputs = [fit, model or input_, *_named(fit)]
+    check([write], inputs, force)
+    check([data, plot], inputs)
+    report(fitted(fit, model or input_, log, threads, silent), write, data, plot, silent, force)
+
+
+def _named(path: Path) -> list[Path]:
+    """The files that a fit.toml names."""
+    from febkit.fitting import toml
+
+    if path.suffix.lower() != ".toml":
+        return []
+    return [f for e in toml.read(path).experiments for f in (e.model, e.data) if isinstance(f, Path)]
 
 
 def fitted(path: Path, model: Path | None, log: Path | None, threads: int, silent: bool) -> Fit:
@@ -89,13 +103,16 @@ def _of_febio(path: Path, model: Path, log: Path, threads: int, silent: bool) ->
 
 
 def report(
-    found: Fit, write: Path | None = None, data: Path | None = None, plot: Path | None = None, silent: bool = False
+    found: Fit, write: Path | None = None, data: Path | None = None, plot: Path | None = None, silent: bool = False,
+    force: bool = False,
 ) -> None:
     """Say what was found, write what is asked for, and end with the exit code."""
     if not silent:
         printing.say(repr(found))
     if write is not None:
-        found.model().write(write)
+        from febkit.feb import write as put
+
+        put(found.model().record, write, None, force)
     if data is not None:
         from febkit.files import written
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -46,6 +47,13 @@ edge = 0.05
 [points]
 at = [[0, 0, 0]]
 """
+FIT = """
+model = "few.feb"
+data = "few.csv"
+observe = "reaction top z"
+[parameters]
+"m.E" = [0.1, 1.0, 5.0]
+"""
 
 
 @pytest.fixture(scope="module")
@@ -64,12 +72,15 @@ def kit(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "f.csv").write_text("time,Fzz\n0,1\n1,0.9\n")
     (folder / "p.feb").write_text("n = 3\n")
     (folder / "bad.feb").write_text(pulled(e="soft"))
+    (folder / "few.feb").write_text(pulled())
+    (folder / "few.csv").write_text("time,force\n0.5,-0.1\n1,-0.2\n")
+    (folder / "fit.toml").write_text(FIT)
     for name in ("junk.feb", "junk.xplt", "junk.nc", "junk.csv", "bad.toml"):
         (folder / name).write_bytes(b"\x01junk, of no kind = at all\n")
     (folder / "s.toml").write_text(STUDY)
-    done = forked.febkit("study", "run", "s.toml", "--scheduler", "serial", "-q", folder=folder,
-                         env={"FEBKIT_THREADS": "1"})  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    for work in ("study run s.toml --scheduler serial", f"sweep {outputs.VERBS['sweep'].good.removesuffix(' -o OUT')}"):
+        done = forked.febkit(*shlex.split(work), "-q", folder=folder, env={"FEBKIT_THREADS": "1"})
+        assert done.returncode == 0, done.stderr
     return folder
 
 
@@ -85,7 +96,7 @@ class Scene:
         self.before = self.files()
 
     def args(self, which: str, *more: str) -> list[str]:
-        words = getattr(self.verb, which).split()
+        words = shlex.split(getattr(self.verb, which))
         return [self.name, *(self.verb.out if w == "OUT" else w for w in words), *more]
 
     def __call__(self, which: str, *more: str, start=forked.febkit, **options) -> subprocess.CompletedProcess[str]:

@@ -51,6 +51,12 @@ VERBS = {
     "study": Verb("derives", "report s.toml --no-figures -o report", "report bad.toml -o report",
                   "report none.toml -o report", "", "report/metrics.nc", "",
                   {"killed in mid-run": "finished steps are kept", "two at once": "of `study run`: 2, one at a time"}),
+    "fit": Verb("makes", "fit.toml -w OUT", "bad.toml -w OUT", "none.toml -w OUT", "fit.toml -w few.feb", "new.feb"),
+    "sweep": Verb("derives", "few.feb --vary m.E=1:2 --observe 'reaction top z' --samples 2 "
+                  "--scheduler serial -o OUT", "few.feb --vary m.E=soft --observe 'reaction top z' -o OUT",
+                  "none.feb --vary E=1:2 --observe 'reaction top z' -o OUT", "", "new.nc", "",
+                  {"killed in mid-run": "finished samples are kept", "two at once": "while samples are left: 2, one at a "
+                   "time"}),
     "run": Verb("runs", "m.feb -p OUT -o m.log", "bad.feb -p OUT -o m.log", "none.feb -p OUT -o m.log",
                 "m.feb -p linked.xplt -o m.log", "new.xplt"),
 }  # fmt: skip
