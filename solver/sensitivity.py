@@ -104,6 +104,9 @@ class Sensitivities(Listener):
         self.steps.append([])
         for v in self.live:
             v.enter()
+        assert run.system is not None
+        layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
+        self._fields = [layout.equations(f, column) for f in layout.normed]
         self._begun, self._made = False, -1
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
@@ -179,7 +182,7 @@ class Sensitivities(Listener):
                     pairs.add(active[v].u, active[v].y - y, v.delta)
                 active[v].y = y
             for v in found:
-                w, y = self._weights(run, v, active[v].y, U), active[v].y
+                w, y = self._weights(v, active[v].y, U), active[v].y
                 active[v].correct(pairs.corrected(y, w), float(np.linalg.norm(w * y)))
                 if active[v].ended(self.tolerance) and fresh:
                     v.usual = active[v].rate
@@ -191,13 +194,10 @@ class Sensitivities(Listener):
                 v.lost = f"its equations are not solved to better than {search.left[-1]:.2g}, at time {v.state.time:g}"
         _each(self.live, Variation.stay)
 
-    def _weights(self, run: Run, v: Variation, y: Floats, U: Floats) -> Floats:
+    def _weights(self, v: Variation, y: Floats, U: Floats) -> Floats:
         """Weights (row,) that make the norm of a correction relative, field by field."""
-        assert run.system is not None
         x, w, least = v.grown + v.x + y, np.zeros(len(y)), NOISE / self.tolerance / abs(v.delta)
-        column = run.system.eqs.column[run.newton.rows]
-        for f in run.system.layout.normed:
-            own = run.system.layout.equations(f, column)
+        for own in self._fields:
             size = max(float(np.linalg.norm(x[own])), least * float(np.linalg.norm(U[own])))
             w[own] = 1.0 / size if size > 0.0 else 0.0
         return w

@@ -30,7 +30,13 @@ class Variation(Run):
         super().__init__(problem, (), base.options)
         self.base, self.delta, self.team = base, delta, base.team
         self.lost, self.usual = "", 1.0
-        self._current = True  # stresses are those of the present state
+        self._waits: tuple[Floats, ...] = ()  # how to place the state where the last step ended
+
+    def _set_up(self) -> None:
+        super()._set_up()
+        for g, of_base in zip(self.groups, self.base.groups):  # one copy of what is the same stays in the cache
+            if np.array_equal(g.iJ0, of_base.iJ0) and np.array_equal(g.conn, of_base.conn):
+                g.iJ0, g.wJ0, g.conn = of_base.iJ0, of_base.wJ0, of_base.conn
 
     # ---- analysis steps ---------------------------------------------------------------------------
     def _open(self) -> Route:
@@ -51,7 +57,8 @@ class Variation(Run):
         self.grown = np.zeros(len(self.newton.rows))
         self._past: list[tuple[float, Floats]] = []
         remembers = any(g.physics.recalls or g.new.shape[1] for g in self.groups)
-        self._light = not (remembers or self.system.contacts or self.system.following)
+        turns = self.bodies is not None or self.system.rotations is not None
+        self._light = not (remembers or turns or self.system.contacts or self.system.following)
 
     @property
     def acting(self) -> list[Part]:
@@ -62,6 +69,11 @@ class Variation(Run):
         """Begin the time step that the base has taken; the first place to look is where the last steps lead."""
         system, n, base = self.system, self.newton, self.base
         assert system is not None and base.system is not None
+        if self._waits:
+            system.place(*self._waits)
+            self._waits = ()
+            for g in (g for g in self.groups if g.deforms):
+                g.deform(self.state.u, g.F, g.J)
         self.state.time, self.state.dt = base.state.time, base.state.dt
         self._prepare()
         n.count = Counts()
@@ -105,16 +117,12 @@ class Variation(Run):
         return np.asarray(self.newton.residual()[self.newton.rows])
 
     def stay(self) -> None:
-        """Move as corrected, for good."""
-        n, system = self.newton, self.system
-        assert system is not None
+        """Move as corrected, for good: once it is asked for, where steps begin from no more than a deformation."""
+        n = self.newton
         if self._light:
-            system.place(n.total, n.increment, self._ahead, n.target)
-            for g in (g for g in self.groups if g.deforms):
-                g.deform(self.state.u, g.F, g.J)
+            self._waits = n.total, n.increment, self._ahead, n.target
         else:
             n.move(self._ahead)
-        self._current = not self._light
         self._take()
         self._last = self.x
 
@@ -135,12 +143,12 @@ class Variation(Run):
         self.newton.finish()
 
     def show(self) -> None:
-        """Bring stresses and reactions up to date with the present state."""
+        """Bring all up to date with the end of the last step, stresses and reactions too."""
         if self.system is None:  # no analysis step has begun
             return
-        if not self._current:
-            self.system.update()
-            self._current = True
+        if self._waits:
+            self.system.set(*self._waits)
+            self._waits = ()
         self.system.residual()
 
 

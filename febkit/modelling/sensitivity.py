@@ -100,10 +100,14 @@ class Sensitivity:
         from febkit.results import held
 
         why = [self._why or self.run.lost(k) for k in range(len(self.parameters))]
-        parts = []
+        every = held(self.plots.buffer.data).load() if self.plots.buffer.data else None
+        parts: list[xr.Dataset | None] = []
         for k, p in enumerate(self.parameters):
-            data = self._difference(p) if why[k] else self.plots.buffers[k].data
-            parts.append(held(data).load().reindex(time=base["time"]) if data else None)
+            part = None if every is None else every.isel(time=slice(k, None, len(self.parameters)))
+            if why[k]:
+                data = self._difference(p)
+                part = held(data).load() if data else None
+            parts.append(None if part is None else part.reindex(time=base["time"]))
         names = [n for n, v in base.data_vars.items() if "time" in v.dims and v.dtype.kind == "f"]
         fields = {}
         for n in names:

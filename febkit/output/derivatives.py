@@ -21,33 +21,34 @@ def _quotient(a: Values, b: Values, delta: float) -> Values:
 
 
 class Derivatives(Listener):
-    """Of what a run saves, by the parameters of ``sensitivities``, which is told of the run's events before this."""
+    """Of what a run saves, by the parameters of ``sensitivities``, which is told of the run's events before this.
+
+    ``buffer`` has a state for each parameter and each saved state, by parameters first; where a parameter has no
+    derivatives, those of nothing.
+    """
 
     def __init__(self, model: Model, sensitivities: Sensitivities) -> None:
         self.model, self.sensitivities = model, sensitivities
-        self.buffers = [Buffer() for _ in sensitivities.varied]
-        self.plots = [PlotListener(model, b, lambda _: None) for b in self.buffers]
+        self.buffer = Buffer()
+        self.plot = PlotListener(model, self.buffer, lambda _: None)
         self._views: dict[Run, plot.View] = {}
 
     def save(self, run: Run, status: int) -> None:
-        read: dict[Run, Values] = {}
-        for k, p in enumerate(self.plots):
-            if self.sensitivities.lost(k):
-                continue
-            high, low, delta = self.sensitivities.ends(k)
-            for r in (high, low):
-                if r not in read:
-                    read[r] = p.values(self._view(r))
-            p.write(run, _quotient(read[high], read[low], delta), status)
+        if not self.sensitivities.varied:
+            return
+        base = self._values(run)
+        for k in range(len(self.sensitivities.varied)):
+            high, low, delta = (run, run, 1.0) if self.sensitivities.lost(k) else self.sensitivities.ends(k)
+            a, b = (base if r is run else self._values(r) for r in (high, low))
+            self.plot.write(run, _quotient(a, b, delta), status)
 
-    def _view(self, run: Run) -> plot.View:
+    def _values(self, run: Run) -> Values:
         if run not in self._views:
-            self._views[run] = plot.View(run, self.model, self.plots[0].mesh)
-        return self._views[run]
+            self._views[run] = plot.View(run, self.model, self.plot.mesh)
+        return self.plot.values(self._views[run])
 
     def end(self, run: Run, result: Result) -> None:
-        for p in self.plots:
-            p.end(run, result)
+        self.plot.end(run, result)
 
 
 class Kept(PlotListener):
