@@ -16,33 +16,33 @@ import numpy
 from setuptools import Extension, find_packages, setup
 from setuptools.command.build_ext import build_ext
 
-LEVELS = os.environ.get("FEBKIT_LEVELS", "native").split()
-
 
 class Build(build_ext):
-    """Builds the extension and, for a wheel, the libraries of kernels beside it."""
+    """Builds the extension and the libraries of kernels beside it."""
 
     def run(self):
         super().run()
-        if not self.editable_mode and LEVELS != ["none"] and Path(self.get_outputs()[0]).exists():
+        asked = os.environ.get("FEBKIT_LEVELS", "none" if self.editable_mode else "").split()
+        if asked != ["none"] and self.get_outputs() and Path(self.get_outputs()[0]).exists():
             try:
-                self.libraries_of_kernels()
+                self.libraries_of_kernels(asked or ["native"])
             except Exception as e:
-                if LEVELS != ["native"]:
+                if asked:
                     raise
                 print(f"no machine code in this build ({e}): kernels will be compiled when they are first used")
 
-    def libraries_of_kernels(self):
-        built, objects = Path(self.build_lib).resolve(), Path(self.build_temp).resolve() / "machine"
+    def libraries_of_kernels(self, levels):
+        built = Path.cwd() if self.editable_mode else Path(self.build_lib).resolve()
+        objects = Path(self.build_temp).resolve() / "machine"
         env = {**os.environ, "PYTHONPATH": str(built)}
-        subprocess.run([sys.executable, "-m", "febkit.solver.build", objects, *LEVELS], env=env, check=True)
+        subprocess.run([sys.executable, "-m", "febkit.solver.build", objects, *levels], env=env, check=True)
         for folder in objects.iterdir():
             made = sorted(folder.glob("*.o"))
             kind = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
             library = built / "febkit" / "solver" / "machine" / f"{folder.name}{kind}"
             self.compiler.link_shared_object(
                 [str(p) for p in made], str(library), export_symbols=[p.stem for p in made],
-                libraries=[] if sys.platform == "win32" else ["m"],
+                libraries=["msvcrt", "ucrt", "vcruntime"] if sys.platform == "win32" else ["m"],
             )  # fmt: skip
             ctypes.CDLL(str(library))  # raises OSError where a symbol is nowhere
             library.with_suffix(".sha256").write_text(hashlib.sha256(library.read_bytes()).hexdigest())

@@ -51,7 +51,7 @@ class Kernel(Calls):  # type: ignore[misc]
 
     @property
     def source(self) -> str | None:
-        """What tells a kernel from all others: sources, name, and the numbers and kernels it encloses.
+        """What tells a kernel from all others: sources, options, name, and the numbers and kernels it encloses.
 
         None where it encloses what has no name on disk.
         """
@@ -60,7 +60,7 @@ class Kernel(Calls):  # type: ignore[misc]
         if not all(isinstance(c, (int, float, str, Kernel)) for c in enclosed):
             return None
         words = (c.__qualname__ if isinstance(c, Kernel) else repr(c) for c in enclosed)
-        return " ".join([source_hash(fn.__code__.co_filename), fn.__qualname__, *words])
+        return " ".join([source_hash(fn.__code__.co_filename), str(self.options), fn.__qualname__, *words])
 
     def symbol(self, types: str) -> str:
         """The name of the machine code for these types. Raises LookupError where it has none."""
