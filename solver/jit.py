@@ -125,8 +125,7 @@ def folder() -> Path | None:
     if root is None:
         cache.unkept()
         return None
-    settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR")
-    text = "\n".join([_numba_version(), *settings])
+    text = "\n".join([_numba_version(), *library.settings()])
     return root / f"{level()}-{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
 

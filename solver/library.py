@@ -20,6 +20,12 @@ SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 LEVELS = ("x86-64-v2", "x86-64-v3", "x86-64-v4")  # each has all that the ones before have
 
 
+def settings() -> list[str]:
+    """numba's settings in the environment, but those that leave machine code as it is."""
+    others = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER")
+    return sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and k not in others)
+
+
 def address(name: str) -> int | None:
     """Where the function of this name is, or None."""
     library = _library()
@@ -38,7 +44,7 @@ def listed(kernel: str) -> list[str]:
 def _library() -> ctypes.CDLL | None:
     """The library of the best level that this processor has; none where numba's settings ask for other code."""
     own = level()
-    if os.environ.get("FEBKIT_NATIVE") == "0" or any(k.startswith("NUMBA_") for k in os.environ):
+    if os.environ.get("FEBKIT_NATIVE") == "0" or settings():
         return None
     for name in reversed(LEVELS[: LEVELS.index(own) + 1]) if own in LEVELS else [own]:
         path = FOLDER / f"{name}{SUFFIX}"
