@@ -96,7 +96,7 @@ class Problem:
         return None if made is None else [found for found, _ in made]
 
     def hold_steps(self, z: Floats) -> bool:
-        """Have all runs from here on take the time steps that they take at z by themselves; False where they do already.
+        """Have all runs from here on take the time steps that they take at z by themselves; False where they do so.
 
         Adaptive steps follow parameters by jumps, and so do curves, by the error of their steps: no way to derivatives.
         """

@@ -55,8 +55,8 @@ VERBS = {
     "sweep": Verb("derives", "few.feb --vary m.E=1:2 --observe 'reaction top z' --samples 2 "
                   "--scheduler serial -o OUT", "few.feb --vary m.E=soft --observe 'reaction top z' -o OUT",
                   "none.feb --vary E=1:2 --observe 'reaction top z' -o OUT", "", "new.nc", "",
-                  {"killed in mid-run": "finished samples are kept", "two at once": "while samples are left: 2, one at a "
-                   "time"}),
+                  {"killed in mid-run": "finished samples are kept",
+                   "two at once": "while samples are left: 2, one at a time"}),
     "run": Verb("runs", "m.feb -p OUT -o m.log", "bad.feb -p OUT -o m.log", "none.feb -p OUT -o m.log",
                 "m.feb -p linked.xplt -o m.log", "new.xplt"),
 }  # fmt: skip

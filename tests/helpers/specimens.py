@@ -13,7 +13,6 @@ from febkit import materials
 from febkit.fitting.parameters import Spec
 from febkit.model import Component
 
-
 NEWTON = {"dtol": 1e-4, "qn_method": Component("qn_method", "full Newton")}
 
 
@@ -66,9 +65,8 @@ def unconfined() -> febkit.Model:
 
 def fibres() -> febkit.Model:
     """Stretched, then compressed: fibres hold in tension alone, along the axis and across it."""
-    solid = materials.SolidMixture(solid=[
-        materials.NeoHookean(E=0.5, v=0.1), materials.of("ellipsoidal fiber distribution", ksi=(0.8,) * 3, beta=(2.5,) * 3),
-    ])  # fmt: skip
+    fibers = materials.of("ellipsoidal fiber distribution", ksi=(0.8,) * 3, beta=(2.5,) * 3)
+    solid = materials.SolidMixture(solid=[materials.NeoHookean(E=0.5, v=0.1), fibers])
     m = _plug(solid, n=(2, 1))
     m.prescribe("top", z=0.2, curve=[(0, 0), (20, 0.5), (1000, 0.5), (1020, 1), (2500, 1), (2560, -1), (4000, -1)])
     m.step(time=4000, dt=5, dtmax=500, solver=NEWTON)
