@@ -223,12 +223,12 @@ class Group:
     def snapshot(self) -> dict[str, Any]:
         """What a failed step must give back."""
         own = {"J": self.J.copy(), "F": self.F.copy(), "history": self.new.copy(), "alive": self.alive}
-        return own | self.physics.snapshot()
+        return own | {"room": history.widths(self.block.solid)} | self.physics.snapshot()
 
     def restore(self, saved: dict[str, Any]) -> None:
         self.J[...], self.F[...] = saved["J"], saved["F"]
-        if saved["alive"] is not self.alive:
+        if not np.array_equal(saved["alive"], self.alive):
             self._keep(saved["alive"])
         self.physics.restore(saved)
-        history.layout(self.block.solid)
+        history.take_widths(self.block.solid, saved["room"])
         self.set_history(saved["history"].copy())

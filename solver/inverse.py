@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .clock import Clock
 from .linear.base import Floats, LinearSolver, Matrix
@@ -32,6 +34,16 @@ class Factor:
     dt: float
     solver: LinearSolver
     used: int = 0
+    pattern: NDArray[np.int32] | None = None
+    first: NDArray | None = None  # values that the pattern was analysed with, which LU's order depends on
+    last: NDArray | None = None  # values that were factorised
+
+    def remember(self, A: Matrix, serves: bool) -> None:
+        """Keep what a checkpoint needs to make it again; ``serves``: later steps may lean on it."""
+        data = A.data.astype(np.float32) if getattr(self.solver, "single", False) else A.data
+        if self.pattern is not A.indptr:
+            self.pattern, self.first = A.indptr, None if A.symmetric else data.copy()
+        self.last = data.copy() if serves else None
 
 
 class Inverse:
@@ -46,6 +58,7 @@ class Inverse:
         self._dt = 0.0
         self._inner = False  # K^-1 by GMRES
         self.made = 0
+        self.remembers = self.serves = False  # are there checkpoints; do factorisations serve later steps?
 
     # ---- the present tangent ----------------------------------------------------------------------
     def factorise(self, A: Matrix, dt: float) -> None:
@@ -63,6 +76,8 @@ class Inverse:
         with self._clock("factorisation"):
             self.solver.factor(A)
         self.made += 1
+        if self.remembers:
+            f.remember(A, self.serves)
 
     def approach(self, A: Matrix, dt: float) -> bool:
         """Take A as the present tangent with a factorisation at hand; False where a new one is the better way."""
@@ -138,7 +153,33 @@ class Inverse:
         or where the solver keeps none."""
         return 1 if self.ratio >= DEAR or "factor_entries" not in self.solver.stats else 2
 
+    # ---- checkpoints ------------------------------------------------------------------------------
+    def snapshot(self, matrix: Callable[[], Matrix]) -> Any:
+        """Matrices whose factorisations a later step may use, of the pattern of ``matrix``; what is known of these."""
+        out = []
+        for f in self._kept:
+            first, last = (f.first, f.last) if f.pattern is matrix().indptr else (None, None)
+            out.append({"dt": f.dt, "used": f.used, "stats": dict(f.solver.stats), "first": first, "last": last})
+        return out
+
+    def restore(self, saved: Any, matrix: Callable[[], Matrix]) -> None:
+        """Factorise the matrices of a snapshot again."""
+        self._kept = []
+        for s in saved:
+            f = Factor(s["dt"], self._make() if self._kept else self.solver, s["used"])
+            for values in (s["first"], s["last"]):
+                if values is not None:
+                    A = matrix()
+                    f.pattern, A.data[:] = A.indptr, values
+                    f.solver.factor(A)
+            f.solver.stats, f.first, f.last = dict(s["stats"]), s["first"], s["last"]
+            self._kept.append(f)
+        if self._kept:
+            latest = max(self._kept, key=lambda f: f.used)
+            self.solver, self._uses = latest.solver, latest.used
+
     def close(self) -> None:
         """Free all."""
         for solver in [self.solver, *[f.solver for f in self._kept]]:
             solver.close()
+        self._kept.clear()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,12 +191,12 @@ class Newton:
         return all(done)
 
     # ---- what a failed try gives back -------------------------------------------------------------
-    def snapshot(self) -> Floats:
-        """The unknowns at the last converged state."""
-        return self.total.copy()
+    def snapshot(self) -> Any:
+        """The unknowns at the last converged state, and the easy steps before it."""
+        return self.total.copy(), self.calm
 
-    def restore(self, saved: Floats) -> None:
-        self.total = saved.copy()
+    def restore(self, saved: Any) -> None:
+        self.total, self.calm = saved[0].copy(), saved[1]
 
     def close(self) -> None:
         """Free all factorisations."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -57,7 +57,22 @@ class Listener:
 
     def save(self, run: Run, status: int) -> None: ...
 
+    def stepped(self, run: Run) -> None: ...  # between two steps: what was to be saved is (:mod:`.checkpoint`)
+
     def end(self, run: Run, result: Result) -> None: ...
+
+
+class Start(Protocol):
+    """Where a run starts instead of at rest (:mod:`.checkpoint`): in which analysis step, at what time, after how many
+    time steps; ``opened``: nodal values that the analysis step began with."""
+
+    index: int
+    time: float
+    steps: int
+    opened: dict[str, Any]
+
+    def take_up(self, run: Run) -> str:
+        """Bring a run there, whose analysis step is open; what is to be warned of. Raises Unfit."""
 
 
 class Run:
@@ -70,6 +85,8 @@ class Run:
         self, problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None,
         graph: MakeGraph = Graph,
     ) -> None:  # fmt: skip
+        self.resumed: Start | None = None  # what the run goes on from
+        self.remembers = False  # are checkpoints taken?
         self.problem, self.listeners, self.options = problem, list(listeners), options or Options()
         self._graph = graph
         self.team = Team(self.options.threads)
@@ -84,7 +101,9 @@ class Run:
         self.stepper: FixedSteps | None = None
         self.integrator: SecondOrder | None = None
         self.count = 0  # time steps of the present analysis step
-        self._saved_at = -1
+        self.saved_at = -1  # steps done as a state was saved last
+        self.over = False  # were all steps solved?
+        self.opened: dict[str, Any] = {}  # nodal values that the present analysis step began with
 
     @property
     def step(self) -> Step:
@@ -97,18 +116,21 @@ class Run:
     # ---- the loop ---------------------------------------------------------------------------------
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what comes of it is found by ``finite``
     def solve(self) -> Result:
-        """Run all steps. Failure and interruption end cleanly: what was saved stays."""
+        """Run all steps. Failure and interruption end cleanly: what was saved stays. Raises checkpoint.Unfit."""
         t0, waited, made = compilation.now(), compilation.seconds(), compilation.count()
         compilation.hears.append(self.tell)
         reason, interrupted = "", False
         try:
             self._set_up()
-            for self.index in range(len(self.problem.steps)):  # noqa: B020
+            first = 0 if self.resumed is None else self.resumed.index
+            for self.index in range(first, len(self.problem.steps)):  # noqa: B020
                 reason = self._analysis()
                 if reason:
                     break
             if not reason:
                 self._save("solved")
+                self.over = True
+                self.tell("stepped")
         except KeyboardInterrupt:
             reason, interrupted = f"interrupted at time {self.state.time:g}", True
         except (ElementFailure, NotFinite) as e:
@@ -144,7 +166,7 @@ class Run:
         self.tell("start")
         for message in filter(None, (g.folded() for g in self.groups)):
             self.tell("warning", message)
-        if len(self.problem.steps) == 1:
+        if self.resumed is None and len(self.problem.steps) == 1:
             self._first_state()
 
     def _initial(self, step: Step) -> None:
@@ -181,9 +203,8 @@ class Run:
         reason = self._enter()
         if reason:
             return reason
-        assert self.stepper is not None
         try:
-            while self.stepper.end - self.state.time > abs(self.stepper.end) * 1e-7:
+            while self._unfinished:
                 reason = self._time_step()
                 if reason:
                     return reason
@@ -191,14 +212,21 @@ class Run:
             self.totals.factor = dict(self.newton.inverse.solver.stats)
             self.newton.close()
         self._save("step")
+        if self.step is not self.problem.steps[-1]:
+            self.tell("stepped")
         return ""
 
     def _enter(self) -> str:
         """Begin an analysis step; returns why it cannot, or nothing."""
         step, s = self.step, self.state
-        self._initial(step)
-        if self.index == 0 and len(self.problem.steps) > 1:
-            self._first_state()
+        resumed, self.resumed = self.resumed, None
+        if resumed is None:
+            self._initial(step)
+            if self.index == 0 and len(self.problem.steps) > 1:
+                self._first_state()
+        else:
+            s.restore(resumed.opened)
+        self.opened = s.snapshot()
         try:
             route = self._open()
         except LinearError as e:
@@ -214,8 +242,12 @@ class Run:
         if self.stepper.vanishing:
             return f"the first time step is {self.stepper.dt:g}, at time {s.time:g}"
         self.count = 0
+        if resumed is not None:
+            why = resumed.take_up(self)
+            if why:
+                self.tell("warning", why)
         self.tell("begin_analysis")
-        if self.system.dynamic:
+        if self.system.dynamic and resumed is None:
             from .start import accelerate
 
             try:
@@ -243,6 +275,7 @@ class Run:
             from .explicit import Explicit
 
             self.newton = Explicit(self.system, self.step.explicit, *rest)
+        self.newton.inverse.remembers, self.newton.inverse.serves = self.remembers, reuse
         self.totals.linear_solver = self.newton.inverse.solver.name
         return route
 
@@ -265,7 +298,7 @@ class Run:
     def _time_step(self) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
-        before = StepState(s, [*self.groups, *self.system.acting, self.newton])
+        before = StepState([s, *self.groups, *self.system.acting, self.newton])
         how = self.newton.usual
         if self.integrator is not None:
             self.integrator.begin()
@@ -313,7 +346,16 @@ class Run:
             step.accept(s.time, min(counts.iterations, EASY) if how.stale else counts.iterations)
             if step.vanishing and step.end > s.time:
                 return f"the time step has shrunk to {step.dt:g}, at time {s.time:g}"
+            if self._unfinished:
+                self.tell("stepped")
             return ""
+
+    @property
+    def _unfinished(self) -> bool:
+        """Is the end of the analysis step ahead?"""
+        step = self.stepper
+        assert step is not None
+        return step.end - self.state.time > abs(step.end) * 1e-7
 
     def _again(self, newton: Newton, how: Strategy, e: Exception) -> Strategy | None:
         """Make ready for another try at the present step, and say how it is solved; None where there is none.
@@ -415,12 +457,12 @@ class Run:
     # ---- saving -----------------------------------------------------------------------------------
     def _save(self, event: str) -> None:
         must = self.stepper is not None and self.stepper.at_must_point
-        if wanted(self.step, event, self.count, must) and self._saved_at != self.totals.steps:
+        if wanted(self.step, event, self.count, must) and self.saved_at != self.totals.steps:
             self._hand_over(0 if event == "major" else 2)
 
     def _hand_over(self, status: int) -> None:
         check_state(self.problem, self.state, self.groups)
-        self._saved_at = self.totals.steps
+        self.saved_at = self.totals.steps
         self.times.append(self.state.time)
         with self.clock("output"):
             self.tell("save", status)

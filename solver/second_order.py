@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,12 @@ class SecondOrder:
         """
         changed = self._norms([a - b for a, b in zip(y, self._rest, strict=True)])
         return np.maximum(changed, LEVEL * self._norms(self._rest))
+
+    def snapshot(self) -> Any:
+        return [(t, list(y)) for t, y in self._past], list(self._rest), self._scale.copy()
+
+    def restore(self, saved: Any) -> None:
+        self._past, self._rest, self._scale = [(t, y) for t, y in saved[0]], saved[1], saved[2]
 
     def begin(self) -> None:
         """Remember the state that steps start from."""

@@ -118,7 +118,7 @@ class Sensitivities(Listener):
             for before in self._before:
                 before.restore()
         self._begun = False
-        self._before = [StepState(v.state, [*v.groups, *v.acting, v.newton]) for v in self.live]
+        self._before = [StepState([v.state, *v.groups, *v.acting, v.newton]) for v in self.live]
 
     def converged(self, run: Run, counts: Counts) -> None:
         assert run.stepper is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,9 +79,14 @@ class State:
         """Current positions (node, 3)."""
         return self.X + self.u
 
-    def copy(self) -> State:
-        out = State(**vars(self))
-        for name in COPIED:
-            setattr(out, name, getattr(self, name).copy())
-        out.extra = {k: v.copy() for k, v in self.extra.items()}
-        return out
+    def snapshot(self) -> dict[str, Any]:
+        """All that a run changes."""
+        arrays = {n: getattr(self, n).copy() for n in COPIED}
+        return arrays | {"time": self.time, "dt": self.dt, "extra": {k: v.copy() for k, v in self.extra.items()}}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take back a snapshot."""
+        for n in COPIED:
+            setattr(self, n, saved[n].copy())
+        self.time, self.dt = saved["time"], saved["dt"]
+        self.extra = {k: v.copy() for k, v in saved["extra"].items()}

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from .state import State
-
 
 class Part(Protocol):
-    """Elements of a group, a load, a connector, a contact, Newton's iteration."""
+    """Nodal values, elements of a group, a load, a connector, a contact, Newton's iteration.
+
+    A snapshot is made of dicts, lists, tuples, numbers and arrays, so that it can be kept on disk as well
+    (:mod:`.checkpoint`); a part takes one back any number of times, tuples as lists too.
+    """
 
     def snapshot(self) -> Any: ...
 
@@ -17,15 +19,12 @@ class Part(Protocol):
 
 
 class StepState:
-    """Nodal arrays, and what each of ``parts`` says that it keeps: histories, multipliers, penalties, neighbours."""
+    """What each of ``parts`` says that it keeps: values, histories, multipliers, penalties, neighbours."""
 
-    def __init__(self, state: State, parts: Sequence[Part]) -> None:
-        self.state, self.parts = state, parts
-        self._nodal, self._kept = state.copy(), [p.snapshot() for p in parts]
+    def __init__(self, parts: Sequence[Part]) -> None:
+        self.parts, self._kept = parts, [p.snapshot() for p in parts]
 
     def restore(self) -> None:
         """Everything as it was; any number of times."""
-        for name, value in vars(self._nodal.copy()).items():
-            setattr(self.state, name, value)
         for part, kept in zip(self.parts, self._kept, strict=True):
             part.restore(kept)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor, inf, sqrt
+from typing import Any
 
 from .problem import AutoStep, Step
 
@@ -29,6 +30,16 @@ class FixedSteps:
 
     def accept(self, t: float, iterations: int) -> None:
         """The step to ``t`` converged in so many iterations."""
+
+    def snapshot(self) -> dict[str, Any]:
+        """All numbers but the end, which the analysis step gives."""
+        return {k: v for k, v in vars(self).items() if isinstance(v, (int, float, tuple)) and k != "end"}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        vars(self).update(saved)
+
+    def go_on(self, t: float, saved: dict[str, Any]) -> None:
+        """Go on from ``t`` with the size that other steps had come to."""
 
     def retry(self) -> bool:
         """Make the step smaller; False where it may not be."""
@@ -75,6 +86,11 @@ class AutoSteps(FixedSteps):
         self.retries = 0
         if t + self.end * 1e-7 < self.end:
             self._size(t, iterations)
+
+    def go_on(self, t: float, saved: dict[str, Any]) -> None:
+        self._base = saved.get("_base", self._base)
+        if t + self.end * 1e-7 < self.end:
+            self.first(t)
 
     def _limit(self, t: float) -> float:
         return float(self.auto.dtmax_curve(t)) if self.auto.dtmax_curve is not None else self.auto.dtmax

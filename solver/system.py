@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,7 @@ class System:
         self.symmetric = self._symmetric()
         self.carriers = [*groups, *bodies.parts] if bodies is not None else groups  # what body loads act on
         self._pattern: Pattern | None = None
+        self._met: list[NDArray[np.int32]] = []
         self._R = [np.zeros_like(state.d) for _ in range(schedule.n)]
         self._work = [Workspace() for _ in range(schedule.n)]
         self.alphaf, self.alpham, self.beta, self.gamma = self._integrator()
@@ -177,13 +178,18 @@ class System:
         if self._pattern is None or self.contacts:
             met = [np.asarray(q, np.int32) for c in self.contacts for q in c.cliques()]
             if self._pattern is None or not self._pattern.holds(met):
-                cliques = [*(q for a in self.loads for q in a.cliques()), *met]
-                cliques += [q for g in self.groups for q in g.physics.cliques()]
-                if self.bodies is not None:
-                    cliques += self.bodies.cliques()
-                rest = self.schedule, self.ties, self._graph
-                self._pattern = Pattern(self.eqs, self.groups, cliques, self.symmetric, *rest)
-                self._matrix = self._pattern.matrix()
+                return self._weave(met)
+        return self._pattern
+
+    def _weave(self, met: list[NDArray[np.int32]]) -> Pattern:
+        """The pattern where surfaces in contact couple the nodes ``met`` (m, n), padded with -1."""
+        cliques = [*(q for a in self.loads for q in a.cliques()), *met]
+        cliques += [q for g in self.groups for q in g.physics.cliques()]
+        if self.bodies is not None:
+            cliques += self.bodies.cliques()
+        rest = self.schedule, self.ties, self._graph
+        self._met, self._pattern = met, Pattern(self.eqs, self.groups, cliques, self.symmetric, *rest)
+        self._matrix = self._pattern.matrix()
         return self._pattern
 
     @property
@@ -191,6 +197,16 @@ class System:
         """The matrix that tangents are assembled into."""
         _ = self.pattern
         return self._matrix
+
+    def snapshot(self) -> dict[str, Any]:
+        """What outlasts a time step, for a run that goes on from a checkpoint."""
+        return {"met": list(self._met), "followed": [c.last for c in self.following]}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        if saved["met"]:
+            self._weave(saved["met"])
+        for c, last in zip(self.following, saved["followed"], strict=True):
+            c.last = last
 
     # ---- values -----------------------------------------------------------------------------------
     def targets(self, t: float) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 ORIGIN = np.zeros((1, 3))
 
 
-@dataclass(slots=True)
-class _Frame:
+class _Frame(NamedTuple):
     """At one time: orientation, angular velocity and its rate (of the fixed frame, or of the moving one), and the
     origin's acceleration."""
 
@@ -80,7 +79,7 @@ class MovingFrame(BodyLoad):
         return self._before, self._now
 
     def restore(self, saved: Any) -> None:
-        self._before, self._now = saved
+        self._before, self._now = (None if f is None else _Frame(*f) for f in saved)
 
     def _turned(self, q: Floats, w: Floats, dt: float) -> Floats:
         """The orientation q turned with the angular velocity w for dt."""

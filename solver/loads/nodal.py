@@ -46,6 +46,12 @@ class NodalLoad(Action):
             held[:, state.layout.displacement] = state.reaction[self.nodes]
             self._start = held[:, self.columns(state.layout)]
 
+    def snapshot(self) -> Any:
+        return self._start
+
+    def restore(self, saved: Any) -> None:
+        self._start = saved
+
     def values(self, state: State) -> Floats:
         """The load (1|n, columns)."""
         raise NotImplementedError

@@ -198,13 +198,15 @@ class Fields:
 
     def snapshot(self) -> dict[str, Floats]:
         """Copies of all that a step changes."""
-        return {n: getattr(self, n).copy() for n in STATE} | {str(k): v.copy() for k, v in self.memory.items()}
+        return {n: getattr(self, n).copy() for n in STATE} | {
+            f"memory {k}": v.copy() for k, v in enumerate(self.memory.values())
+        }
 
     def restore(self, saved: dict[str, Floats]) -> None:
         for n in STATE:
             getattr(self, n)[...] = saved[n]
-        for k, v in self.memory.items():
-            v[...] = saved[str(k)]
+        for k, v in enumerate(self.memory.values()):
+            v[...] = saved[f"memory {k}"]
 
     # ---- balances -------------------------------------------------------------------------------------
     def stress(self, q: slice, pts: Points, s: Floats, now: Instant) -> Floats:

@@ -113,6 +113,10 @@ class Solid(Law):
     def room(self, pts: Points) -> None:
         """Enlarge ``history`` where the coming step needs it (``pts.old`` has the columns so far)."""
 
+    def take_room(self, columns: int) -> None:
+        """Have as large a ``history`` as an earlier state had."""
+        raise ValueError(f"the memory of {type(self).__name__} has {self.history} columns, not {columns}")
+
     def broken(self, pts: Points) -> Floats | float:
         """Fraction of bonds broken (damage) at the state last evaluated, from ``pts.new``."""
         return 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,19 @@ def layout(root: Solid) -> int:
         node.offset = total
         total += node.history
     return total
+
+
+def widths(root: Solid) -> list[int]:
+    """Columns of each record of the tree."""
+    return [node.history for node in root.walk()]
+
+
+def take_widths(root: Solid, columns: Sequence[int]) -> None:
+    """Give each record as many columns, and lay them out."""
+    for node, n in zip(root.walk(), columns, strict=True):
+        if node.history != n:
+            node.take_room(n)
+    layout(root)
 
 
 def initial(root: Solid, n: int) -> Floats:

@@ -63,8 +63,10 @@ class _Bonds:
     def room(self, pts: Points) -> None:
         at = self.offset  # type: ignore[attr-defined]
         if pts.old is not None and pts.old[:, at].max(initial=0) >= self.capacity:
-            self.capacity *= 2
-            self.history = _HEAD + self.capacity * _EACH
+            self.take_room(_HEAD + 2 * self.capacity * _EACH)
+
+    def take_room(self, columns: int) -> None:
+        self.capacity, self.history = (columns - _HEAD) // _EACH, columns
 
     def _weights(self, pts: Points, gen: Floats, rate: Floats) -> Floats:
         """Mass fraction of each generation (n, capacity) as if all existed."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from febkit._version import __version__
+from febkit.checkpoint import read, write
 from febkit.solver import contact, loads
+from febkit.solver.checkpoint import Resumed, taken
 from febkit.solver.newton import Newton, NotConverged, Strategy
 from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
@@ -16,7 +20,7 @@ from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.physics.three_field import Augment, ThreeField
 from febkit.solver.problem import TRANSIENT, AutoStep, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.rigid import joints
-from febkit.solver.run import run
+from febkit.solver.run import Listener, Run, run
 from febkit.solver.solids.mooney_rivlin import MooneyRivlin
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.solids.viscoelastic import Viscoelastic
@@ -127,3 +131,51 @@ def test_a_problem_is_solved_twice(name: str) -> None:
     first, second = (run(problem, options=Options(threads=1)) for _ in range(2))
     assert first.converged and second.converged
     np.testing.assert_array_equal(first.state.d, second.state.d)
+
+
+class Keeps(Listener):
+    """Writes one checkpoint, after so many steps."""
+
+    def __init__(self, path: Path, steps: int) -> None:
+        self.path, self.steps = path, steps
+
+    def stepped(self, run: Run) -> None:
+        if run.totals.steps == self.steps and not run.over:
+            write(self.path, {"febkit": __version__}, taken(run))
+
+
+def gone_on(make: Callable[[], Problem], options: Options, steps: int, path: Path) -> tuple[Run, Run]:
+    """A run that kept a checkpoint, and one that went on from it."""
+    whole = Run(make(), [Keeps(path, steps)], options)
+    whole.remembers = True
+    assert whole.solve().converged
+    rest = Run(make(), [], options)
+    rest.resumed = Resumed(read(path).run)
+    assert rest.solve().converged
+    return whole, rest
+
+
+def leaning() -> Problem:
+    """A layer of fluid-filled tissue in many steps, which lean on old factorisations."""
+    problem = pressed(NeoHookean(1.0, 0.3), Biphasic(ConstIso(0.1)), analysis=TRANSIENT)
+    problem.steps[0].dt, problem.steps[0].count = 0.02, 50
+    return problem
+
+
+KEPT: dict[str, tuple[Callable[[], Problem], Options, int]] = {
+    **{name: (make, Options(threads=1), 2) for name, make in SCENES.items()},
+    "second step of a relative load": (pulled, Options(threads=1), 6),
+    "kept factorisation": (leaning, Options(threads=1, factor="reuse", linear="pardiso"), 17),
+    "error steps": (SCENES["fluid"], Options(threads=1, accuracy=1e-3), 5),
+}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(name: str, tmp_path: Path) -> None:
+    whole, rest = gone_on(*KEPT[name], tmp_path / "c")
+    for a in ("d", "velocity", "acceleration", "reaction"):
+        np.testing.assert_array_equal(getattr(rest.state, a), getattr(whole.state, a))
+    for a, b in zip(rest.groups, whole.groups):
+        np.testing.assert_array_equal(a.new, b.new)
+    assert rest.times == whole.times
+    assert (rest.totals.steps, rest.totals.iterations) == (whole.totals.steps, whole.totals.iterations)
