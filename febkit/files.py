@@ -14,19 +14,23 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from io import FileIO
 from itertools import count
 from pathlib import Path
+from typing import BinaryIO
 
 from febkit.model.source import InputError, Where
 
 PathLike = str | os.PathLike[str]
+Mark = tuple[int, str]  # bytes of a file, and what tells them from others
 Named = tuple[str, PathLike, Where | None]  # what a file is called in messages, its path, where it was asked for
 
 _WINDOWS = os.name == "nt"
 _FLAGS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NAME_MAX = 255  # bytes of a file's name on every file system in use
 _JOINED = 1 << 16  # parts smaller than this are put together before they are written
+_COPIED = 1 << 24  # bytes that are copied at a time
 _numbers = count()
 
 
@@ -80,7 +84,7 @@ def may_write(path: PathLike, overwrite: bool = True, where: Where | None = None
 
 
 def is_ours(path: PathLike, what: str, where: Where | None = None) -> None:
-    """Refuse to replace a file that no run has written by one of a run: a "plotfile", "log" or "data file"."""
+    """Refuse to replace a file that no run has written by one of a run: a key of ``_MARKS``."""
     target = real(path)
     if not target.is_file():
         return
@@ -94,6 +98,7 @@ def is_ours(path: PathLike, what: str, where: Where | None = None) -> None:
 _MARKS = {
     "plotfile": rb"BEF\0|\0FEB",
     "log": rb"febkit | \*  WARNING|(?s:.*)={20}",  # FEBio's begins with a frame
+    "checkpoint": rb"febkit checkpoint ",
     "data file": rb"\s*(\*Step|[-+.\d])",
 }
 
@@ -189,8 +194,6 @@ def _beside(target: Path, tag: str = "") -> Path:
     """A hidden name in the same folder, of the same ending."""
     name = f".febkit{tag}.{target.name}"
     if len(os.fsencode(name)) > _NAME_MAX:
-        from hashlib import sha256
-
         name = f".febkit{tag}.{sha256(os.fsencode(target.name)).hexdigest()[:16]}{target.suffix[-16:]}"
     return target.with_name(name)
 
@@ -204,7 +207,7 @@ class Output:
     Raises InputError where it cannot be written, or where another run writes to ``path``.
     """
 
-    def __init__(self, path: PathLike, where: Where | None = None) -> None:
+    def __init__(self, path: PathLike, where: Where | None = None, mark: Mark | None = None) -> None:
         may_write(path, where=where)
         self.path = os.fspath(path)
         self.target = real(path)
@@ -213,6 +216,37 @@ class Output:
         self.placed = special = _special(self.target)
         with _named(path):
             self._file = FileIO(self.path, "w") if special else FileIO(self._open(where), "w")
+        if mark is not None and not special:
+            try:
+                self._take_over(mark)
+            except BaseException:
+                self.discard()
+                raise
+
+    def _take_over(self, mark: Mark) -> None:
+        """Begin with what stood in place at ``mark``; the file in place stays as it is until :meth:`place`."""
+        size, tail = mark
+        with _named(self.path), open_or_refuse(self.target, self.path) as f:
+            if _tail(f, size) != tail:
+                raise InputError(f"{self.path}: this is not the file that the checkpoint goes on with, or it was cut: "
+                                 "put that back, or start anew without --resume")  # fmt: skip
+            f.seek(0)
+            while self.size < size:
+                self.write(f.read(min(size - self.size, _COPIED)))
+
+    def mark(self) -> Mark | None:
+        """Put the file in place, through to the disk; how far it stands (None: a device), to go on from there."""
+        self.place()
+        if _special(self.target):
+            return None
+        with _named(self.path), open(self.target, "rb") as f:
+            os.fsync(self._file.fileno())
+            return self.size, _tail(f, self.size)
+
+    def begins(self, data: bytes) -> bool:
+        """Does the file in place begin so?"""
+        with open(self.target, "rb") as f:
+            return f.read(len(data)) == data
 
     @property
     def replaces(self) -> bool:
@@ -290,6 +324,21 @@ class Output:
             self.temp.unlink(missing_ok=True)
 
 
+def open_or_refuse(target: Path, path: str) -> BinaryIO:
+    """A result that a run goes on with."""
+    try:
+        return open(target, "rb")
+    except FileNotFoundError:
+        raise InputError(f"{path}: this file of the run is not there any more: put it back, or start anew without "
+                         "--resume") from None  # fmt: skip
+
+
+def _tail(f: BinaryIO, size: int) -> str:
+    """What tells the first ``size`` bytes of a file from others: their last ones."""
+    f.seek(max(size - _JOINED, 0))
+    return sha256(f.read(min(size, _JOINED))).hexdigest()
+
+
 class Buffer:
     """The same in memory, ``data``."""
 
@@ -297,6 +346,12 @@ class Buffer:
 
     def __init__(self) -> None:
         self.data = bytearray()
+
+    def mark(self) -> None:
+        """Nothing to go on from is left of it."""
+
+    def begins(self, data: bytes) -> bool:
+        return self.data.startswith(data)
 
     def write(self, *parts: bytes) -> None:
         for p in parts:

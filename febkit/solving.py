@@ -37,6 +37,9 @@ def solve(
     warn: Callable[[str], None] | None = None,
     data_anywhere: bool = False,
     graph: MakeGraph | None = None,
+    checkpoint: str = "",
+    resume: bool = False,
+    changed: bool = False,
 ) -> Result:
     """Solve ``model``, or the .feb file of that path; write a plotfile and a log where paths are given.
 
@@ -51,12 +54,17 @@ def solve(
     the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
     graph: what finds the sparsity that an earlier run left (:class:`febkit.solver.run.Run`); a :class:`febkit.Model`
     brings its own.
+    checkpoint: "10min", "30s", "5steps": how often a checkpoint is written beside the plotfile
+    (:mod:`febkit.checkpoint`), which is removed after the end, or kept with ",keep". resume: go on from it, with the
+    plotfile, log and data files of then; ``changed``: though the model was edited since (other loads, later steps).
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
     ValueError for an option that means nothing.
     """
+    from febkit.checkpoint import Plan, beside
     from febkit.feb.validation import require
     from febkit.lower import lower
+    from febkit.solver.checkpoint import Unfit
     from febkit.solver.graph import Graph
     from febkit.solver.options import Options
     from febkit.solver.run import Run
@@ -71,7 +79,9 @@ def solve(
     again = getattr(model, "_again", None)
     model = _model(model)
     doubts = require(model)
-    data = _destinations(model, path, logfile, data_anywhere)
+    kept = beside(path) if path is not None and (checkpoint or resume) else None
+    data = _destinations(model, path, logfile, kept, data_anywhere)
+    plan = Plan.of(model, path, options, checkpoint, resume, changed)
     problem = lower(model)
     _check(options, problem, model)
     told: list[Listener] = [*listeners]
@@ -86,19 +96,19 @@ def solve(
         if logfile is not None:
             from febkit.output.log import LogListener
 
-            log = LogListener(model, logfile)
+            log = LogListener(model, logfile, *plan.marks("log"))
             ends.push(log.__exit__)
             say.append(log.warn)
         if data:
             from febkit.output.logdata import LogDataListener
 
-            records = LogDataListener(model, data, tell)
+            records = LogDataListener(model, data, tell, plan.marks("data"))
             ends.push(records.__exit__)
             told.append(records)
         if plotfile is not None:
             from febkit.output.plotfile import PlotListener
 
-            plot = PlotListener(model, plotfile, tell)
+            plot = PlotListener(model, plotfile, tell, *plan.marks("plotfile"))
             ends.push(plot.__exit__)
             told.append(plot)
         if log is not None:  # after the others, so that it says nothing that is not written yet
@@ -107,6 +117,10 @@ def solve(
             from febkit.output.progress import ProgressListener
 
             told.append(ProgressListener(Path(model.file).name or "solving"))
+        if plan.every is not None:
+            from febkit.output.checkpoints import CheckpointListener, Writes
+
+            told.append(CheckpointListener(plan, [q for q in told if isinstance(q, Writes)], tell))
         from febkit.output.warned import WarningListener
 
         for doubt in doubts:
@@ -115,17 +129,23 @@ def solve(
             graph = Graph if again is None else ends.enter_context(again.lent()).graphs
         run = Run(problem, [*told, WarningListener(tell)], options, graph)
         ends.callback(run.team.close)
-        return run.solve()
+        plan.ready(run)
+        try:
+            return run.solve()
+        except Unfit as e:
+            raise InputError(f"{plan.path}: {e}: start anew without --resume") from None
 
 
 def _destinations(
-    model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, anywhere: bool
-) -> list[Path]:
+    model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, checkpoint: Path | None,
+    anywhere: bool,
+) -> list[Path]:  # fmt: skip
     """The files of <logfile>'s records. Refuses outputs onto the model, onto each other, onto what is no result."""
     from febkit.feb.read import sources
     from febkit.files import Named, is_ours, keep_apart
 
-    outputs: list[Named] = [(w, p, None) for w, p in (("plotfile", plotfile), ("log", logfile)) if p is not None]
+    own = ("plotfile", plotfile), ("log", logfile), ("checkpoint", checkpoint)
+    outputs: list[Named] = [(w, p, None) for w, p in own if p is not None]
     data: list[Path] = []
     if model.output.log:
         from febkit.model.data_files import data_files

@@ -25,7 +25,7 @@ class Option:
 
 
 _SETTINGS = Option("febkit reads no settings of FEBio's; --threads and --linear choose its own", argument="always")
-_DUMP = "febkit writes no restart files"
+_DUMP = "febkit run --checkpoint every=10min writes what --resume goes on from"
 _DEBUG = Option("febkit saves the states that the file asks for, not those of every iteration")
 OPTIONS = {
     "-nosplash": Option(),
@@ -43,7 +43,7 @@ OPTIONS = {
     "-break": Option("febkit has no prompt to stop at; Ctrl-C ends a run and keeps its states", argument="always"),
     "-no_log": Option("the log is written all the same; -o says where"),
     "-output_negative_jacobians": Option("febkit names the element that turned inside out and its part"),
-    "-r": Option("febkit restarts no runs: solve the model from its start", task=True),
+    "-r": Option("febkit run MODEL.feb --resume goes on from its own checkpoint", task=True),
     "-d": Option("febkit has no diagnostic tests; febkit validate checks a model without solving it", task=True),
     "-norun": Option("febkit validate checks a model without solving it", task=True),
     "-info": Option("febkit --version says the version", task=True),

@@ -34,6 +34,18 @@ class FebioCommand(click.Command):
         return super().parse_args(ctx, args)
 
 
+def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
+    """What means nothing is a usage error."""
+    if text:
+        from febkit.checkpoint import Every
+
+        try:
+            Every.of(text)
+        except ValueError as e:
+            raise click.BadParameter(str(e)) from None
+    return text
+
+
 @click.command("run", cls=FebioCommand, short_help="Solve a .feb model.")
 @click.argument("model", required=False)
 @click.option("-i", "input_", help="The model (FEBio's spelling).")
@@ -56,11 +68,15 @@ class FebioCommand(click.Command):
 @click.option("--stabilise", is_flag=True, help="Steady the pressure where steps are too small for the mesh.")
 @click.option("--data-anywhere", is_flag=True,
               help="Let the model write data files outside the folder of the log.")
+@click.option("--checkpoint", default="", metavar="every=10min", callback=_often,
+              help="Write a checkpoint beside the plotfile so often (s, min, h, steps); \",keep\": one at the end too.")
+@click.option("--resume", is_flag=True, help="Go on from the checkpoint of a run that was stopped.")
+@click.option("--changed", is_flag=True, help="With --resume: though the model was edited (other loads, later steps).")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: Path | None, plot: Path | None, optimise: Path | None, silent: bool,
     threads: int, linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool,
-    verbose: bool,
+    checkpoint: str, resume: bool, changed: bool, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -71,6 +87,8 @@ def command(
     feature that febkit does not solve; 130: interrupted.
     """
     path = _model(model, input_)
+    if changed and not resume:
+        raise click.UsageError("--changed means something with --resume alone")
     if log is not None and log.suffix.lower() in (".xplt", *VTK):
         raise exits.Refused(f"{log}: -o names the log; a plotfile is named by -p {log}")
     plot_path, log_path = _plotfile(plot, path), log or path.with_suffix(".log")
@@ -92,12 +110,13 @@ def command(
     result = solve(
         m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy,
         stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append, data_anywhere=data_anywhere,
+        checkpoint=checkpoint, resume=resume, changed=changed,
     )  # fmt: skip
     now = stamp(plot_path)
     kept = plot_path.is_file() and now == earlier
     if not silent:
         _report(result, said, verbose)
-        _say_written(plot_path, log_path, len(result.times), kept, earlier is not None)
+        _say_written(plot_path, log_path, len(result.times), kept, earlier is not None and not resume)
     if plot is not None and plot.suffix.lower() in VTK and not kept:
         _for_paraview(plot_path, plot, silent)
     if not result.converged:

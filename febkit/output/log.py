@@ -6,7 +6,7 @@ from os import PathLike
 from time import perf_counter
 
 from febkit._version import __version__
-from febkit.files import Output
+from febkit.files import Mark, Output
 from febkit.model import Model
 from febkit.solver.newton import Counts, Iteration
 from febkit.solver.result import Result
@@ -22,15 +22,22 @@ class LogListener(Listener):
     was saved before: it must be the last of the listeners that write.
     """
 
-    def __init__(self, model: Model, path: str | PathLike[str]) -> None:
+    what = "log"
+
+    def __init__(self, model: Model, path: str | PathLike[str], mark: Mark | None = None) -> None:
         self.model = model
-        self.output = Output(path)
-        self._text = [f"febkit {__version__}\n\n"]
+        self.output = Output(path, mark=mark)
+        self._text = [f"febkit {__version__}\n\n" if mark is None else "\n"]
         self._began = self._ended = False
         self._flushed = perf_counter()
 
     def write(self, text: str) -> None:
         self._text.append(text)
+
+    def marks(self) -> list[Mark | None]:
+        """How far the file stands."""
+        self._flush()
+        return [self.output.mark()]
 
     def _flush_in_time(self) -> None:
         """Who follows the log is not kept waiting; short iterations share one write."""
@@ -49,6 +56,9 @@ class LogListener(Listener):
         self.write(f"compiling {kernel}\n")
 
     def start(self, run: Run) -> None:
+        if run.resumed is not None:
+            self.write(f"\n======= going on from the checkpoint at time : {run.resumed.time:g} =======\n")
+            return
         m = self.model
         elements = sum(g.m for g in run.groups)
         self.write(f"\tFILENAME   : {m.file}\n\tMODULE     : {m.module}\n\n")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from febkit.files import Output
+from febkit.files import Mark, Output
 from febkit.model import LogEntry, Model
 from febkit.record import record
 from febkit.solver.newton import Counts
@@ -68,8 +68,12 @@ class LogDataListener(Listener):
     compute are named by ``warn`` and left out; so is a record of which nothing is left.
     """
 
-    def __init__(self, model: Model, paths: Sequence[Path], warn: Callable[[str], object]) -> None:
-        self.model, self.paths, self.warn = model, paths, warn
+    what = "data"
+
+    def __init__(
+        self, model: Model, paths: Sequence[Path], warn: Callable[[str], object], marks: Sequence[Mark | None] = ()
+    ) -> None:
+        self.model, self.paths, self.warn, self._marks = model, paths, warn, list(marks)
         self._open: list[_Record] = []
         self.view: View | None = None
 
@@ -89,9 +93,15 @@ class LogDataListener(Listener):
                 self.warn(f'{entry.kind} "{strange}" is not computed by febkit; {left}')
             if good:
                 ids, rows = kind.rows(self.view, entry)
-                output = Output(path, entry.where)
+                mark = self._marks.pop(0) if self._marks else None
+                output = Output(path, entry.where, mark)
                 self._open.append(_Record(entry, ";".join(good), [found[x] for x in good], ids, rows, output))
-        self._write(run)
+        if run.resumed is None:
+            self._write(run)
+
+    def marks(self) -> list[Mark | None]:
+        """How far each file stands."""
+        return [r.output.mark() for r in self._open]
 
     def converged(self, run: Run, counts: Counts) -> None:
         self._write(run)

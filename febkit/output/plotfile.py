@@ -25,7 +25,7 @@ from .plot.asked import Asked
 if TYPE_CHECKING:
     from os import PathLike
 
-    from febkit.files import Buffer
+    from febkit.files import Buffer, Mark
 
 Floats = NDArray[np.float64]
 _NAME = f"febkit {__version__}"
@@ -83,7 +83,11 @@ class PlotListener(Listener):
     An earlier file in its place stays until a state that was solved stands in the new one.
     """
 
-    def __init__(self, model: Model, path: str | PathLike[str] | Buffer, warn: Callable[[str], None]) -> None:
+    what = "plotfile"
+
+    def __init__(
+        self, model: Model, path: str | PathLike[str] | Buffer, warn: Callable[[str], None], mark: Mark | None = None
+    ) -> None:
         self.model = model
         self.asked: list[tuple[Asked, plot.Give]] = []
         self.variables: list[PlotVariable] = []
@@ -103,6 +107,7 @@ class PlotListener(Listener):
         self.mesh = plot_mesh(model)
         self.writer = PlotWriter(
             path, self.mesh, self.variables, compress=compress, software=SOFTWARE, units=model.units, live=False,
+            mark=mark,
         )  # fmt: skip
         self.states = 0
         self.view: plot.View | None = None
@@ -142,6 +147,10 @@ class PlotListener(Listener):
         self.states += 1
         if run.totals.steps or not self.writer.output.replaces:
             self.writer.output.place()
+
+    def marks(self) -> list[Mark | None]:
+        """How far the file stands."""
+        return [self.writer.output.mark()]
 
     def _values(self, view: plot.View, k: int) -> dict[int, Floats]:
         """Values of a variable by region."""

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Model, Where
+from febkit.model import Where
 
 _PLACES = ("file", "document")  # of a model: where it was read, and its text
 
 
-def address(model: Model) -> str:
+def address(model: Any) -> str:
+    """Of a model, or of a list of parts of one."""
     h = sha256()
     _feed(h, model)
     return h.hexdigest()[:32]

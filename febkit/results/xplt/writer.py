@@ -11,7 +11,8 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from febkit.files import Buffer, Output, may_write
+from febkit.files import Buffer, Mark, Output, may_write
+from febkit.model.source import InputError
 
 from . import encode, tags
 from .records import PlotMesh, PlotVariable
@@ -29,6 +30,8 @@ class PlotWriter:
     node for nodal variables and for domain variables of format "node", rows by element (domains one after
     the other) for format "item". A variable left out is written empty, as FEBio does where a field does
     not exist.
+
+    ``mark``: go on with the plotfile in place, from where it stood then (:meth:`febkit.files.Output.mark`).
     """
 
     def __init__(
@@ -43,6 +46,7 @@ class PlotWriter:
         author: str | None = None,
         live: bool = True,
         overwrite: bool = True,
+        mark: Mark | None = None,
     ) -> None:
         if version not in (0x30, 0x31, 0x32, 0x33, 0x34, 0x35):
             raise ValueError(f"plotfile versions 0x30 to 0x35 can be written, not {version:#x}")
@@ -59,10 +63,14 @@ class PlotWriter:
         self._meshes, self._live = 0, live
         if not isinstance(path, Buffer):
             may_write(path, overwrite)
-        self.output = path if isinstance(path, Buffer) else Output(path)
+        self.output = path if isinstance(path, Buffer) else Output(path, mark=mark)
         try:
-            self.output.write(struct.pack("<I", tags.MAGIC), self._head)
-            self.mesh(mesh)
+            start = [struct.pack("<I", tags.MAGIC), self._head, self._take(mesh)]
+            if mark is None:
+                self.output.write(*start)
+            elif not self.output.begins(b"".join(start)):
+                raise InputError(f"{path}: this plotfile holds other variables or another mesh than the model asks "
+                                 "for: ask for the same, or start anew without --resume")  # fmt: skip
         except BaseException:
             self.output.discard()
             raise
@@ -73,14 +81,18 @@ class PlotWriter:
         return [(i, v, encode.integer(tags.STATE_VAR_ID, k)) for k, (i, v) in enumerate(mine, start=1)]
 
     def mesh(self, mesh: PlotMesh) -> None:
-        """Write a mesh section: the first, or one that replaces it for the states that follow."""
+        """Write a mesh section that replaces the first for the states that follow."""
+        self.output.write(self._take(mesh))
+
+    def _take(self, mesh: PlotMesh) -> bytes:
+        """Have the states that follow be of a mesh; its section."""
         self._mesh = mesh
         self._sizes = _Sizes(mesh)
         self._active = np.ones(mesh.n_elements, "<u4").tobytes()
         body = encode.mesh(mesh, self.version)
-        # FEBio's first mesh is plain even where states are compressed
-        self.output.write(zlib.compress(body) if self.compress and self._meshes else body)
         self._meshes += 1
+        # FEBio's first mesh is plain even where states are compressed
+        return zlib.compress(body) if self.compress and self._meshes > 1 else body
 
     def state(
         self,
