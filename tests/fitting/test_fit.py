@@ -1,0 +1,174 @@
+"""``febkit.fit`` on models: known truth, several experiments, data of all kinds, fit.toml."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import febkit
+from febkit.fitting import data, toml
+from febkit.model import InputError
+from helpers.specimens import SPECIMENS, Specimen
+
+BAR = SPECIMENS["viscoelastic"]
+
+
+@pytest.fixture(scope="module")
+def measured() -> np.ndarray:
+    return BAR.measured()
+
+
+@pytest.mark.parametrize("name", ["viscoelastic", "unconfined"])
+def test_the_truth_is_found(name: str, measured: np.ndarray) -> None:
+    s: Specimen = SPECIMENS[name]
+    f = febkit.fit(s.model(), s.bounds, measured if s is BAR else s.measured(), s.observe)
+    assert f.converged and f.runs <= 22 and f.identifiability == []
+    for path, value in s.truth.items():
+        assert f[path] == pytest.approx(value, rel=1e-4), path
+
+
+def test_noise_leaves_the_truth_within_the_intervals(measured: np.ndarray) -> None:
+    """Of one draw of noise; tests/benchmarks/fits.py counts a hundred."""
+    noisy = measured.copy()
+    noisy[:, 1] += 0.001 * np.random.default_rng(3).normal(size=len(noisy))
+    f = febkit.fit(BAR.model(), BAR.bounds, noisy, BAR.observe, sigma=0.001)
+    for path, (low, high) in f.intervals.items():
+        assert low < BAR.truth[path] < high and high - low > 1e-3 * BAR.truth[path]
+    rows = f.data()
+    assert rows["observed"].unique().tolist() == ["reaction top z"] and 0.4 < rows["residual"].std() < 1.6
+    assert f.axis("experiment 1") == "time" and len(f.plot().axes) == 2
+
+
+def test_experiments_share_some_parameters_and_have_others_alone(measured: np.ndarray) -> None:
+    """A second bar is twice as stiff and pulled half as far; its stretch is given through a load curve."""
+    half = "fem.load_controller[0].points[1].y"
+    stiff = BAR.model()
+    stiff["c.elastic.E"], stiff[half] = 2.0, 0.5
+    more = stiff.solve(at=BAR.times, threads=1).dataset.febkit.reaction("top").sel(xyz="z").values
+    shared = {k: v for k, v in BAR.bounds.items() if k != "c.elastic.E"}
+    f = febkit.fit(
+        [febkit.Experiment(BAR.model(), measured, BAR.observe, name="soft", parameters={"c.elastic.E": (0.2, 1.5, 5)}),
+         febkit.Experiment(BAR.model(), (BAR.times, more), BAR.observe, name="stiff", settings={half: 0.5},
+                           parameters={"c.elastic.E": (0.2, 1.5, 5)})],
+        shared,
+    )  # fmt: skip
+    wanted = {"c.g1": 0.6, "c.t1": 20.0, "soft: c.elastic.E": 1.0, "stiff: c.elastic.E": 2.0}
+    assert f.converged and f.values == pytest.approx(wanted, rel=1e-4)
+    assert f.model("stiff")["c.elastic.E"] == pytest.approx(2.0, rel=1e-4) and set(f.R2) == {"soft", "stiff"}
+
+
+def test_ties_two_observables_and_another_axis() -> None:
+    """Stress and force over strain say the modulus of a bar whose g1 is tied to it."""
+    m = BAR.at(BAR.truth)
+    ds = m.solve(variables=["displacement", "stress", "Lagrange strain", "reaction forces"], threads=1).dataset
+    ds = ds.sel(time=slice(0.5, 1.5))  # of the ramp: strain says no more while it is held
+    force = ds.febkit.reaction("top").sel(xyz="z").values
+    frame = pd.DataFrame({"s": ds.febkit.mean("stress:zz").values, "f": force},
+                         index=ds.febkit.mean("Lagrange strain:zz").values)  # fmt: skip
+    f = febkit.fit(
+        m, {"c.elastic.E": (0.2, 1.5, 5.0), "c.g1": "0.6 * c.elastic.E"}, frame,
+        {"s": "stress part bar zz", "f": "reaction top z"}, against="Lagrange strain part bar zz",
+    )  # fmt: skip
+    assert f.converged and f["c.elastic.E"] == pytest.approx(1.0, rel=1e-3)
+    assert f.settings()["c.g1"] == pytest.approx(0.6 * f["c.elastic.E"]) and f.axis("experiment 1").startswith("Lagrange")
+
+
+# ---- data -----------------------------------------------------------------------------------------------
+def test_data_of_all_kinds_are_the_same(tmp_path: Path) -> None:
+    t, a, b = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), np.array([7.0, np.nan, 9.0])
+    path = tmp_path / "d.csv"
+    path.write_text("# a comment\ntime, a, b\n1,4,7\n2,5,\n3,6,9\n")
+    frame = pd.DataFrame({"time": t, "a": a, "b": b})
+    given: list[Any] = [path, str(path), np.column_stack([t, a, b]), (t, a, b), frame, frame.set_index("time"),
+                        frame[["time", "b", "a"]], xr.Dataset({"a": ("t", a), "b": ("t", b)}, {"t": t})]  # fmt: skip
+    for d in given:
+        found = data.columns(d, ["a", "b"])
+        assert [found["a"][0].tolist(), found["a"][1].tolist()] == [[1, 2, 3], [4, 5, 6]], d
+        assert [found["b"][0].tolist(), found["b"][1].tolist()] == [[1, 3], [7, 9]], d
+    for single in (frame.set_index("time")["a"], xr.DataArray(a, {"t": t}, ("t",), name="a"), np.column_stack([t, a])):
+        assert data.columns(single, ["force"])["force"][1].tolist() == [4, 5, 6]
+
+
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ([1.0, 2.0], "data are"), ("none.csv", "none.csv: cannot read"), (np.ones((3, 4)), "3 columns"),
+        (np.array([[1.0, np.nan]]), "no finite values"), (pd.Series(["x"], [1.0]), "must be numbers"),
+    ],
+)  # fmt: skip
+def test_data_that_are_none(given: Any, why: str) -> None:
+    with pytest.raises(InputError, match=why):
+        data.columns(given, ["force"])
+
+
+def test_what_cannot_be_fitted_is_said(measured: np.ndarray) -> None:
+    m, one = BAR.model(), {"c.elastic.E": (0.2, 1.5, 5.0)}
+    for args, why in (
+        ((m, {"c.elastic.G": (0, 1, 2)}, measured, BAR.observe), "no parameter 'G'"),
+        ((m, {"c.elastic": (0, 1, 2)}, measured, BAR.observe), "what is fitted is a number"),
+        ((m, one), "needs data="),
+        ((m, one, (BAR.times + 50, measured[:, 1]), BAR.observe), "leave out what it does not come to"),
+        ((m, one, measured, "reaction lid z"), "lid"),
+        ((m, one, (BAR.times - 50, measured[:, 1]), BAR.observe), "before time 0"),
+    ):
+        with pytest.raises(InputError, match=why):
+            febkit.fit(*args)
+    with pytest.raises(InputError, match="choose from least_squares"):
+        febkit.fit(m, one, measured, BAR.observe, method="newton")
+
+
+# ---- fit.toml -------------------------------------------------------------------------------------------
+TOML = """
+method = "least_squares"
+tolerance = 1e-7
+sigma = 0.01
+model = "m.feb"
+[parameters]
+"c.elastic.E" = [0.2, 1.5, 5]
+k = { low = 1e-4, start = 1e-3, high = 0.1, log = true, paths = ["c.t1", "d.t1"] }
+"c.g1" = "0.6 * k"
+[[experiment]]
+name = "fast"
+data = "fast.csv"
+observe = { f = "reaction top z" }
+[[experiment]]
+data = "slow.csv"
+observe = "reaction top z"
+meet = false
+settings = { "fem.bc[0].value" = 2 }
+parameters = { "c.t2" = [1, 2, 3] }
+"""
+
+
+def test_a_file_says_what_the_call_says(tmp_path: Path) -> None:
+    path = tmp_path / "fit.toml"
+    path.write_text(TOML)
+    asked = toml.read(path)
+    fast, slow = asked.experiments
+    assert fast.name == "fast" and fast.model == tmp_path / "m.feb" and fast.sigma == slow.sigma == 0.01
+    assert slow.meet is False and slow.settings == {"fem.bc[0].value": 2}
+    assert dict(slow.parameters)["c.t2"] == febkit.Parameter(1, 2, 3)
+    assert asked.parameters["k"] == febkit.Parameter(1e-4, 1e-3, 0.1, True, ("c.t1", "d.t1"))
+    assert asked.parameters["c.g1"] == "0.6 * k" and asked.options["tolerance"] == 1e-7
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('method = "least_squares"', 'method = "guess"', "least_squares or differential_evolution"),
+        ('data = "fast.csv"', "", "data is missing"), ("[0.2, 1.5, 5]", "[0.2, 1.5]", "a formula"),
+        ("tolerance", "tolerence", "unknown entry 'tolerence' in a fit"), ("log = true", 'log = "yes"', "true or false"),
+        ("meet = false", "meet = 3", "true or false"), ("[parameters]", "[parameters", "not well-formed"),
+    ],
+)  # fmt: skip
+def test_a_file_that_says_nothing_is_refused(tmp_path: Path, old: str, new: str, why: str) -> None:
+    path = tmp_path / "fit.toml"
+    path.write_text(TOML.replace(old, new, 1))
+    with pytest.raises(InputError, match=why) as e:
+        toml.read(path)
+    assert "fit.toml" in str(e.value)
