@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -15,17 +15,19 @@ from febkit.observe import Observable, observable, observables, variables
 
 from . import grid
 from .data import columns
-from .problem import Failed
+from .problem import Failed, Made
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from febkit.modelling import Model
+    from febkit.modelling.solution import Solution
     from febkit.observe import Follow, Observe
 
     from .parameters import Spec
 
 Floats = NDArray[np.float64]
+LARGE = 100  # elements from which derivatives cost less than the run: 1.3 to 1.7 runs for three of them
 MET = 400  # times of data up to which a run meets each of them
 
 
@@ -55,7 +57,7 @@ class Experiment:
 class Measured:
     """An experiment made ready: an :class:`.problem.Experiment`. ``options`` are those of :func:`febkit.solve`."""
 
-    def __init__(self, given: Experiment, name: str, options: Mapping[str, Any]) -> None:
+    def __init__(self, given: Experiment, name: str, options: Mapping[str, Any], exact: bool | None = None) -> None:
         self.name, self.options = name, dict(options)
         self.model = _model(given.model)
         for path, value in given.settings.items():
@@ -73,6 +75,7 @@ class Measured:
         self.weight = self._weights(given.sigma)
         self.known = given.sigma is not None
         self.at = self._times(given.meet)
+        self.exact = self._differentiates(exact)
         needed = self.observables if self.against is None else {**self.observables, " against": self.against}
         self.kept = variables(needed, self.model.record)
 
@@ -90,6 +93,16 @@ class Measured:
             raise InputError(f"{self.name}: standard deviations must be above 0")
         return np.asarray(1.0 / s)
 
+    def _differentiates(self, asked: bool | None) -> bool:
+        """Do runs bring derivatives? By themselves those of models for which they cost little beside the run."""
+        from febkit.lower import lower
+        from febkit.solver.sensitivity import refusal
+
+        large = sum(len(b.ids) for b in self.model.mesh.blocks) >= LARGE
+        if self.against is not None or not (large if asked is None else asked):
+            return False
+        return not self.options.get("accuracy") and not refusal(lower(self.model.record))
+
     def _times(self, meet: bool | None) -> list[float] | None:
         """Times that runs meet, None where they make their own."""
         times = np.unique(self.x)
@@ -100,25 +113,31 @@ class Measured:
         fixed = any(s.control is not None and s.control.child("time_stepper") is None for s in self.model.record.steps)
         return None if fixed and meet is None else times.tolist()
 
-    def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> tuple[Floats, list[float]]:
+    def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None, beside: bool = False) -> Made:
         m = self.model.copy()
         for path, value in settings.items():
             m[path] = value
         if ends is not None:
             m._put(steps=grid.on(m.record, ends).steps)
         times = grid.Times(m.record)
+        sizes = {path: abs(v) or 1.0 for path, v in settings.items()} if self.exact and not beside else None
         result = m.solve(variables=self.kept, at=self.at if ends is None else None, listeners=[times],
-                         warn=lambda _: None, **self.options)  # fmt: skip
+                         warn=lambda _: None, sensitivity=sizes, **self.options)  # fmt: skip
         if result.interrupted:
             raise KeyboardInterrupt
         if not result.converged:
             raise Failed(f"{self.name}: {result.reason}")
         ds = result.dataset
         found = np.concatenate([self._curve(ds, o, *self.curves[n]) for n, o in self.observables.items()])
-        return found, times.ends
+        return Made(found, times.ends, {} if sizes is None else self._derivatives(result, sizes))
 
-    def derivatives(self, settings: Mapping[str, float]) -> dict[str, Floats]:
-        return {}  # here stand those of ``result.sensitivity`` once the solver has them
+    def _derivatives(self, result: Solution, paths: Iterable[str]) -> dict[str, Floats]:
+        """(n,) of what the run shows at the data's x, by each path."""
+        by = result.sensitivity_of(self.observables)
+        each = [(by[n], x) for n, (x, _) in self.curves.items()]
+        return {
+            path: np.concatenate([np.interp(x, v["time"], v.sel(parameter=path)) for v, x in each]) for path in paths
+        }
 
     def _curve(self, ds: xr.Dataset, o: Observable, x: Floats, y: Floats) -> Floats:
         """What an observable shows at the data's x."""

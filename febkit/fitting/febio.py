@@ -17,7 +17,7 @@ from .methods import Ended, Tolerance
 from .optimise import Optimise, read
 from .parameters import Parameters
 from .probes import Follow, parameter
-from .problem import Failed, Problem, Trial
+from .problem import Failed, Made, Problem, Trial
 from .result import Fit, finished
 
 if TYPE_CHECKING:
@@ -42,9 +42,9 @@ class Followed:
         self._silent = model.copy()
         self._silent._put(output=replace(model.record.output or Output(), log=()))
 
-    def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> tuple[Floats, list[float]]:
+    def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None, beside: bool = False) -> Made:
         rows, own = self.rows(settings, ends)
-        return np.asarray(self.objective.evaluate(rows)), own
+        return Made(np.asarray(self.objective.evaluate(rows)), own)
 
     def rows(self, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> tuple[Floats, list[float]]:
         """(state, probe) what is followed of a run, and the ends of its time steps."""
@@ -62,9 +62,6 @@ class Followed:
         if not result.converged:
             raise Failed(result.reason)
         return np.array(follow.rows), times.ends
-
-    def derivatives(self, settings: Mapping[str, float]) -> dict[str, Floats]:
-        return {}  # here stand those of ``result.sensitivity`` once the solver has them
 
 
 def fit(path: str | PathLike[str], model: Model | Editable, tell: Callable[[Trial], None] | None = None,

@@ -59,9 +59,9 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
                   b: Floats | None = None, start: Floats | None = None) -> Ended:  # fmt: skip
     """Levenberg and Marquardt's steps within the bounds, and on A values = b where that is given.
 
-    Derivatives are those of :meth:`.problem.Problem.jacobian` at the start, at the end, and where a step does not do
-    what they promise; between, Broyden's updates J += (dr - J dz) dz^T / dz.dz (Math. Comput. 19:577, 1965), of runs
-    that are made anyway. A trial that fails is a step too long.
+    Derivatives are those of :meth:`.problem.Problem.jacobian`: at every step where runs bring them, else at the start,
+    at the end, and where a step does not do what they promise; between, Broyden's updates J += (dr - J dz) dz^T / dz.dz
+    (Math. Comput. 19:577, 1965), of runs that are made anyway. A trial that fails is a step too long.
     """
     p = problem.parameters
     plane = None if A is None or b is None else (A * [q.size for q in p.every], b)
@@ -95,7 +95,7 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
         reach *= 2.0 if gain > GOOD else 1.0
         J, fresh = J + np.outer(new - r - J @ d, d) / (d @ d), False
         z, r = trial, new
-        if gain < SECANT:
+        if gain < SECANT or problem.brings_derivatives(z):
             J, fresh = problem.jacobian(z), True
     if damping > LARGEST:
         return Ended(z, False, "no trial does better, though derivatives promise it: loosen the tolerance of the fit, "

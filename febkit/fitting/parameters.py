@@ -104,6 +104,18 @@ class Parameters:
                 out |= dict.fromkeys(t.paths, float(t.formula.at(named)))
         return out
 
+    def slopes_of(self, values: Floats, owner: str) -> dict[str, Floats]:
+        """(n,) d(path)/d(z) of each path of an experiment's model; of formulas by central differences."""
+        slopes, at = self.slopes(values), np.eye(len(values))
+        out = {path: slopes * at[k] for k, p in enumerate(self.every) if p.owner in ("", owner) for path in p.paths}
+        for t in self.ties:
+            if t.owner in ("", owner):
+                h = 1e-6 * np.array([p.size for p in self.every])
+                both = [[float(t.formula.at(dict(zip(self.names, values + s * h[k] * at[k])))) for s in (1, -1)]
+                        for k in range(len(values))]  # fmt: skip
+                out |= dict.fromkeys(t.paths, slopes * (np.array(both) @ [1.0, -1.0]) / (2.0 * h))
+        return out
+
     def concern(self, owner: str) -> list[bool]:
         """Which parameters an experiment has."""
         return [p.owner in ("", owner) for p in self.every]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from febkit.modelling import Model
 
 Floats = NDArray[np.float64]
-Made = tuple[Floats, list[float]]  # what a model shows, and the ends of its time steps
+
+
+class Made(NamedTuple):
+    """What a model shows (n,), the ends of its time steps, and derivatives (n,) by path where the run brings them."""
+
+    found: Floats
+    ends: list[float] = []
+    by: Mapping[str, Floats] = {}
 
 
 class Failed(Exception):
@@ -46,12 +53,9 @@ class Experiment(Protocol):
     observed: list[tuple[str, int]]
     axis: str
 
-    def predict(self, settings: dict[str, float], ends: Sequence[float] | None = None) -> Made:
-        """(n,) what the model shows with these values at its paths, and the ends of its time steps; ``ends``: those
-        that it takes, of another run. Raises Failed where it does not solve."""
-
-    def derivatives(self, settings: dict[str, float]) -> dict[str, Floats]:
-        """(n,) exact derivatives of :meth:`predict` by path, of the run made last; of paths left out there are none."""
+    def predict(self, settings: dict[str, float], ends: Sequence[float] | None = None, beside: bool = False) -> Made:
+        """What the model shows with these values at its paths; ``ends``: time steps that it takes, of another run;
+        ``beside``: for a difference, of which derivatives are not asked. Raises Failed where it does not solve."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +97,7 @@ class Problem:
     def predictions(self, z: Floats) -> list[Floats] | None:
         """What each experiment shows, None where a model fails (:attr:`why`)."""
         made = self._made(z)
-        return None if made is None else [found for found, _ in made]
+        return None if made is None else [m.found for m in made]
 
     def hold_steps(self, z: Floats) -> bool:
         """Have all runs from here on take the time steps that they take at z by themselves; False where they do so.
@@ -108,7 +112,7 @@ class Problem:
         if made is None:
             self._ends = held
             return False
-        self._ends = [ends or None for _, ends in made]
+        self._ends = [m.ends or None for m in made]
         if all(map(_same, held, self._ends)):
             return False
         self._known = {z.tobytes(): made}
@@ -148,7 +152,7 @@ class Problem:
         return f if math.isfinite(f) else 1e3 * max(worst, 1e-300) + 1.0
 
     def jacobian(self, z: Floats) -> Floats:
-        """(m, n) dr/dz: exact where an experiment has derivatives, else by one-sided differences.
+        """(m, n) dr/dz: exact where a run has brought derivatives, else by one-sided differences.
 
         A run that fails, or cuts a time step that the present one does not, is tried on the other side, then with a
         quarter of the step.
@@ -156,31 +160,26 @@ class Problem:
         made = self._made(z)
         if made is None:
             raise Stopped(self.why)
-        values = self.parameters.values(z)
-        columns = []
-        exact = [self._exact(e, values) for e in self.experiments]
-        for k in range(len(self.parameters)):
-            rows = [e.weight * (given[k] if k in given else self._difference(e, z, k, *old))
-                    for e, given, old in zip(self.experiments, exact, made)]  # fmt: skip
-            columns.append(np.concatenate(rows))
-        return np.column_stack(columns)
+        values, rows = self.parameters.values(z), []
+        for e, m in zip(self.experiments, made):
+            slopes = self.parameters.slopes_of(values, e.name)
+            if slopes.keys() <= m.by.keys():
+                J = sum(np.outer(m.by[path], slope) for path, slope in slopes.items())
+            else:
+                J = np.column_stack([self._difference(e, z, k, m) for k in range(len(self.parameters))])
+            rows.append(e.weight[:, None] * J)
+        return np.vstack(rows)
 
-    def _exact(self, e: Experiment, values: Floats) -> dict[int, Floats]:
-        """dy/dz of the parameters whose paths an experiment differentiates itself; tied values are left to
-        differences."""
-        p = self.parameters
-        given = e.derivatives(p.settings(values, e.name))
-        slopes = p.slopes(values)
-        tied = {name for t in p.ties for name in t.formula.names}
-        return {
-            k: slopes[k] * np.sum([given[path] for path in q.paths], axis=0)
-            for k, q in enumerate(p.every)
-            if q.name not in tied and all(path in given for path in q.paths) and q.owner in ("", e.name)
-        }
+    def brings_derivatives(self, z: Floats) -> bool:
+        """Have the runs at z brought all derivatives?"""
+        made, values = self._made(z) or [], self.parameters.values(z)
+        return bool(made) and all(
+            self.parameters.slopes_of(values, e.name).keys() <= m.by.keys() for e, m in zip(self.experiments, made)
+        )
 
-    def _difference(self, e: Experiment, z: Floats, k: int, old: Floats, ends: list[float]) -> Floats:
+    def _difference(self, e: Experiment, z: Floats, k: int, old: Made) -> Floats:
         if not self.parameters.concern(e.name)[k]:
-            return np.zeros(len(old))
+            return np.zeros(len(old.found))
         h = self.step * max(1.0, abs(z[k])) if not self.parameters.every[k].log else self.step
         room = self.parameters.high[k] - z[k]
         found: Floats | None = None
@@ -190,31 +189,31 @@ class Problem:
             if at[k] == z[k]:
                 continue
             try:
-                new, own = self._run(e, self.parameters.values(at), ends)
+                new = self._run(e, self.parameters.values(at), old.ends, beside=True)
             except Failed as failure:
                 self.failures += 1
                 self.why = str(failure)
                 continue
-            found = np.asarray((new - old) / (at[k] - z[k]))
-            if _same(ends, own):
+            found = np.asarray((new.found - old.found) / (at[k] - z[k]))
+            if _same(old.ends, new.ends):
                 break
         if found is not None:
             return found
         raise Stopped(f"{self.parameters.names[k]}: no run beside the present values solves: {self.why}")
 
     def _trial(self, z: Floats, made: list[Made]) -> Trial:
-        r = self.weight * (np.concatenate([found for found, _ in made]) - self.data)
+        r = self.weight * (np.concatenate([m.found for m in made]) - self.data)
         return Trial(self.trials, z.copy(), self.parameters.values(z), float(r @ r))
 
-    def _run(self, e: Experiment, values: Floats, ends: list[float] | None) -> Made:
+    def _run(self, e: Experiment, values: Floats, ends: list[float] | None, beside: bool = False) -> Made:
         if self.most and self.runs >= self.most:
             raise Stopped(f"{self.most} runs are made")
         self.runs += 1
         try:
-            made = e.predict(self.parameters.settings(values, e.name), ends)
+            made = e.predict(self.parameters.settings(values, e.name), ends or None, beside)
         except KeyboardInterrupt:
             raise Interrupted("interrupted") from None
-        if not np.isfinite(made[0]).all():
+        if not np.isfinite(made.found).all():
             raise Failed(f"{e.name}: what is compared is no number")
         return made
 

@@ -32,6 +32,7 @@ def fit(
     tolerance: float = 1e-6,
     step: float = 1e-3,
     most: int = 0,
+    exact: bool | None = None,
     seed: int = 0,
     tell: Callable[[Trial], None] | None = None,
     progress: bool = False,
@@ -51,6 +52,8 @@ def fit(
     the bounds; "powell" takes no derivatives.
     tolerance: the part of the sum of squares below which a step is not worth a run; step: of differences, relative;
     most: runs at most; seed: of differential evolution; tell: hears of each trial; progress: a line in the terminal.
+    exact: runs bring the derivatives of their equations (``result.sensitivity``), by default those of models of a
+    hundred elements or more; else derivatives are differences of runs, and secants.
     Other options (threads, linear, ...) are those of :func:`febkit.solve`.
 
     A run that fails is a step too long; Ctrl-C gives back the best so far. Raises InputError for bad input, and where
@@ -61,7 +64,7 @@ def fit(
     given = _experiments(model, data, observe, against, sigma)
     names = _names(given)
     options.setdefault("threads", 1)
-    measured = [Measured(e, n, options) for e, n in zip(given, names)]
+    measured = [Measured(e, n, options, exact) for e, n in zip(given, names)]
     every = read(parameters, {n: e.parameters for e, n in zip(given, names) if e.parameters})
     for m in measured:
         for path in every.settings(every.values(every.start), m.name):

@@ -12,7 +12,7 @@ import pytest
 from febkit.fitting import methods
 from febkit.fitting.methods import Tolerance
 from febkit.fitting.parameters import Parameter, read
-from febkit.fitting.problem import Failed, Problem, Stopped
+from febkit.fitting.problem import Failed, Made, Problem, Stopped
 from febkit.fitting.result import Fit, finished
 from febkit.fitting.statistics import statistics, words
 from febkit.model import InputError
@@ -21,11 +21,11 @@ X = np.linspace(0.0, 2.0, 30)
 NEAR = Tolerance(1e-10, 1e-8)
 
 
-def experiment(f: Callable[..., Any], y: Any, **more: Any) -> Any:
+def experiment(f: Callable[..., Any], y: Any, by: Callable[[Any], Any] = lambda s: {}) -> Any:
     """What a model shows as a function of its settings, in order."""
     return SimpleNamespace(
         name="e", model=None, x=X, y=np.asarray(y), weight=np.ones(len(X)), observed=[("y", len(X))], axis="x",
-        predict=lambda s, ends=None: (np.asarray(f(*s.values())), []), derivatives=lambda s: {}, **more,
+        predict=lambda s, ends=None, beside=False: Made(np.asarray(f(*s.values())), [], by(s)),
     )  # fmt: skip
 
 
@@ -123,16 +123,20 @@ def test_the_other_methods() -> None:
 
 
 def test_exact_derivatives_take_the_place_of_differences() -> None:
-    p = posed(a=(0.1, 0.5, 10.0), k=(0.01, 0.3, 20.0))
-    p.experiments[0].derivatives = lambda s: {  # type: ignore[method-assign]
-        "a": decay(1.0, s["k"]), "k": -X * decay(s["a"], s["k"]),
-    }  # fmt: skip
+    """Through logarithms and ties, and a run a trial is all that is made."""
+    def by(s: Any) -> Any:
+        return {"a": decay(1.0, s["k"]), "k": -X * decay(s["a"], s["k"])}
+
+    p = posed()
+    exact = Problem(p.parameters, [experiment(decay, p.data, by)])
     z = p.parameters.start
-    exact = p.jacobian(z)
-    assert p.runs == 1
-    p.experiments[0].derivatives = lambda s: {}  # type: ignore[method-assign]
-    np.testing.assert_allclose(p.jacobian(z), exact, rtol=1e-2, atol=1e-6)
-    assert p.runs == 3
+    np.testing.assert_allclose(exact.jacobian(z), p.jacobian(z), rtol=1e-2, atol=1e-6)
+    assert (exact.runs, p.runs) == (1, 3)
+    f = fitted(exact)
+    assert f.converged and f.values == pytest.approx({"a": 2.0, "k": 1.5}, rel=1e-6) and f.runs == exact.trials
+    half = read({"a": (0.1, 0.5, 10.0), "k": "0.75 * a"})
+    one, two = (Problem(half, [experiment(decay, p.data, g)]) for g in (by, lambda s: {}))
+    np.testing.assert_allclose(one.jacobian(half.start), two.jacobian(half.start), rtol=1e-2)
 
 
 # ---- statistics -----------------------------------------------------------------------------------------
