@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -46,10 +46,10 @@ def remember() -> None:
     known: dict[Any, Any] = {}
     real = Measured.predict
 
-    def predict(self: Measured, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> Any:
-        key = (tuple(settings.items()), None if ends is None else tuple(ends))
+    def predict(self: Measured, settings: Any, ends: Sequence[float] | None = None, beside: bool = False) -> Any:
+        key = (tuple(settings.items()), None if ends is None else tuple(ends), beside)
         if key not in known:
-            known[key] = real(self, settings, ends)
+            known[key] = real(self, settings, ends, beside)
         return known[key]
 
     Measured.predict = predict  # type: ignore[method-assign]

@@ -59,7 +59,7 @@ def _plug(solid: Any, n: tuple[int, int] = (4, 1)) -> febkit.Model:
 def unconfined() -> febkit.Model:
     m = _plug(materials.NeoHookean(E=0.6, v=0.15))
     m.prescribe("top", z=-0.1, curve=[(0, 0), (20, 1)])
-    m.step(time=4000, dt=5, dtmax=500, solver=NEWTON)
+    m.step(time=4000, dt=4, dtmax=500, solver=NEWTON).control.time_stepper.dtforce = 1
     return m
 
 
