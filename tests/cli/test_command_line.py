@@ -55,7 +55,7 @@ def test_options_that_change_nothing_are_said(model: Path) -> None:
     assert (quiet.returncode, quiet.stdout, quiet.stderr) == (0, "", "")
 
 
-@pytest.mark.parametrize("args", [["-r", "m.dmp"], ["-s", "fit.feb"], ["-d", "t.feb"], ["-norun"], ["-info"],
+@pytest.mark.parametrize("args", [["-r", "m.dmp"], ["-d", "t.feb"], ["-norun"], ["-info"],
                                   ["-task=optimize", "c.xml"], ["-task"]])  # fmt: skip
 def test_other_tasks_are_refused_in_a_line(model: Path, args: list[str]) -> None:
     done = forked.febkit("-i", "plug.feb", *args, folder=model.parent)
