@@ -152,10 +152,9 @@ class Newton:
         self.system.progress.iterations = self.system.progress.augmentations = 0
 
     def finish(self) -> None:
-        """The increment is the step's."""
+        """The increment is the step's. What contacts hold at ambient values keeps its own, from which it goes on where
+        surfaces meet again (as in FEBio)."""
         self.total = self.system.accumulate(self.total, self.increment)
-        if self.system.dry is not None:
-            self.total[self.system.dry] = self.system.ambient
 
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
