@@ -40,6 +40,7 @@ def solve(
     checkpoint: str = "",
     resume: bool = False,
     changed: bool = False,
+    start: str = "",
 ) -> Result:
     """Solve ``model``, or the .feb file of that path; write a plotfile and a log where paths are given.
 
@@ -57,6 +58,7 @@ def solve(
     checkpoint: "10min", "30s", "5steps": how often a checkpoint is written beside the plotfile
     (:mod:`febkit.checkpoint`), which is removed after the end, or kept with ",keep". resume: go on from it, with the
     plotfile, log and data files of then; ``changed``: though the model was edited since (other loads, later steps).
+    start: "other.xplt" or "other.xplt@TIME": the state of another result to start from (:mod:`febkit.starting`).
     Returns a Result with ``converged``, ``reason``, ``state`` (final nodal fields), ``totals`` and ``times``.
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
     ValueError for an option that means nothing.
@@ -80,9 +82,13 @@ def solve(
     model = _model(model)
     doubts = require(model)
     kept = beside(path) if path is not None and (checkpoint or resume) else None
-    data = _destinations(model, path, logfile, kept, data_anywhere)
+    data = _destinations(model, path, logfile, kept, start, data_anywhere)
     plan = Plan.of(model, path, options, checkpoint, resume, changed)
     problem = lower(model)
+    if start:
+        from febkit.starting import start as begin
+
+        begin(problem, model, start)
     _check(options, problem, model)
     told: list[Listener] = [*listeners]
     say = [warn or (lambda m: warnings.warn(m, stacklevel=3))]
@@ -138,7 +144,7 @@ def solve(
 
 def _destinations(
     model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, checkpoint: Path | None,
-    anywhere: bool,
+    start: str, anywhere: bool,
 ) -> list[Path]:  # fmt: skip
     """The files of <logfile>'s records. Refuses outputs onto the model, onto each other, onto what is no result."""
     from febkit.feb.read import sources
@@ -153,7 +159,12 @@ def _destinations(
         beside = Path(logfile or model.file or "febkit")
         data = data_files(model, beside.parent, beside.stem, anywhere)
         outputs += [("data file", path, entry.where) for path, entry in zip(data, model.output.log)]
-    keep_apart(outputs, [("model", path, None) for path in sources(model)])
+    inputs: list[Named] = [("model", path, None) for path in sources(model)]
+    if start:
+        from febkit.starting import place
+
+        inputs.append(("result to start from", place(start)[0], None))
+    keep_apart(outputs, inputs)
     for what, path, where in outputs:
         is_ours(path, what, where)
     return data

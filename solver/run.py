@@ -162,6 +162,8 @@ class Run:
 
             self.bodies = Bodies(self.problem, self.state)
         self._initial(self.problem.common)
+        if self.state.u.any():
+            self._strain()
         self._begin(self.problem.common)
         self.tell("start")
         for message in filter(None, (g.folded() for g in self.groups)):
@@ -181,6 +183,14 @@ class Run:
             self.bodies.start(s)
         for g in self.groups:
             g.physics.start(s)
+
+    def _strain(self) -> None:
+        """Elements take the state that initial displacements give them: rates are differences to it."""
+        for g in self.groups:
+            for c in g.chunks:
+                g.update(c, self.state, self.state.u, [])
+            if g.physics.collects:
+                g.physics.collect(self.state)
 
     def _begin(self, step: Step) -> None:
         """What acts in a step begins to."""

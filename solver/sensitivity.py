@@ -95,6 +95,8 @@ class Sensitivities(Listener):
 
     # ---- events -----------------------------------------------------------------------------------
     def start(self, run: Run) -> None:
+        if run.resumed is not None:
+            raise ValueError("derivatives follow a run from its start: they cannot be had of one that goes on")
         self.steps = []
         self.runs = [[Variation(p, delta, run) for p, delta in some] for some in self.varied]
         for v in self.all:

@@ -72,11 +72,13 @@ def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
               help="Write a checkpoint beside the plotfile so often (s, min, h, steps); \",keep\": one at the end too.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of a run that was stopped.")
 @click.option("--changed", is_flag=True, help="With --resume: though the model was edited (other loads, later steps).")
+@click.option("--from", "start", default="", metavar="OTHER.xplt[@TIME]",
+              help="Start from the last state of another result, or from the one at that time.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: Path | None, plot: Path | None, optimise: Path | None, silent: bool,
     threads: int, linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool,
-    checkpoint: str, resume: bool, changed: bool, verbose: bool,
+    checkpoint: str, resume: bool, changed: bool, start: str, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 
@@ -110,7 +112,7 @@ def command(
     result = solve(
         m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy,
         stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append, data_anywhere=data_anywhere,
-        checkpoint=checkpoint, resume=resume, changed=changed,
+        checkpoint=checkpoint, resume=resume, changed=changed, start=start,
     )  # fmt: skip
     now = stamp(plot_path)
     kept = plot_path.is_file() and now == earlier

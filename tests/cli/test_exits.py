@@ -97,6 +97,8 @@ CASES = [
     ("run plug.feb --memory nan", 2, "finite"),
     ("run plug.feb --resume", 2, "there is no checkpoint"),
     ("run plug.feb --changed", 2, "--resume"),
+    ("run plug.feb --from missing.xplt", 2, "missing.xplt"),
+    ("run plug.feb --from plug.xplt", 2, "which the same call reads"),
     ("run plug.feb --checkpoint often", 2, "every=10min"),
     ("run plug.feb -p out/p.vtk", 2, ".pvd"),
     ("run plug.feb -o nowhere/o.log", 2, "the folder nowhere does not exist"),
