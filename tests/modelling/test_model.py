@@ -127,6 +127,24 @@ def test_febio_s_paths_reach_the_same_parameters() -> None:
             _ = m[path]
 
 
+def test_paths_reach_variables_curves_and_one_number_of_several() -> None:
+    m = plug()
+    m._put(variables={"a": 2.0})
+    m.materials["net"] = mt.of("ellipsoidal fiber distribution", ksi=(1, 2, 3), beta=(2, 3, 4))
+    m.prescribe("top", p="fem.a*t")
+    for path, old, new in (("fem.a", 2.0, 3.0), ("net.ksi[1]", 2, 7.0), ("net.beta.z", 4, 5.0),
+                           ("fem.load_controller[0].points[1].y", 1.0, 0.5)):
+        assert m[path] == old, path
+        m[path] = new
+        assert m[path] == new, path
+    assert m.materials["net"].ksi == (1, 7, 3) and m.curves[1].points[1][1] == 0.5 and m.record.variables["a"] == 3.0
+    for path, said in (("fem.b", 'no global variable "b"; there are a'), ("net.ksi[3]", "there is no number 3"),
+                       ("fem.load_controller[7].points[0].y", "no load_controller"), ("cartilage.phi0.y", "there is no number 1"),
+                       ("fem.load_controller[0].points[9].y", "there are 2 points")):
+        with pytest.raises(InputError, match=said):
+            _ = m[path]
+
+
 def test_names_values_and_ranges_are_checked_when_they_are_set() -> None:
     m = plug()
     with pytest.raises(AttributeError, match=r"biphasic\.solid has no parameter 'Young'; there are E, density, v"):
