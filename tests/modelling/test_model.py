@@ -139,7 +139,8 @@ def test_paths_reach_variables_curves_and_one_number_of_several() -> None:
         assert m[path] == new, path
     assert m.materials["net"].ksi == (1, 7, 3) and m.curves[1].points[1][1] == 0.5 and m.record.variables["a"] == 3.0
     for path, said in (("fem.b", 'no global variable "b"; there are a'), ("net.ksi[3]", "there is no number 3"),
-                       ("fem.load_controller[7].points[0].y", "no load_controller"), ("cartilage.phi0.y", "there is no number 1"),
+                       ("fem.load_controller[7].points[0].y", "no load_controller"),
+                       ("cartilage.phi0.y", "there is no number 1"),
                        ("fem.load_controller[0].points[9].y", "there are 2 points")):
         with pytest.raises(InputError, match=said):
             _ = m[path]
