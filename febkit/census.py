@@ -221,7 +221,7 @@ TABLES: dict[str, Callable[[], Collection[str]]] = {
     "solid supply": _within("solid_supply"),
     "plot variable": _plots,
     "log item": _logs,
-    "optimisation method": tuple,  # files of febio_optimize are not read
+    "optimisation method": lambda: import_module("febkit.fitting.optimise").METHODS,
     "axes": lambda: import_module("febkit.lower.axes").MAT_AXIS,
     "direction": lambda: import_module("febkit.lower.axes").DIRECTION,
     "data record": lambda: import_module("febkit.output.records").KINDS,
