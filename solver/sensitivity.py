@@ -210,23 +210,25 @@ class _Pairs:
     variations hold them, times delta: so rounding is the same in all."""
 
     def __init__(self, U: Floats) -> None:
-        self._U = U
-        self._d: list[Floats] = []
-        self._Z: list[Floats] = []
+        self._U, self._count = U, 0
+        self._d, self._Z = np.zeros((PAIRS, len(U))), np.zeros((PAIRS, len(U)))
 
     def add(self, d: Floats, Z: Floats, delta: float) -> None:
-        self._d, self._Z = [*self._d[1 - PAIRS :], delta * d], [*self._Z[1 - PAIRS :], delta * Z]
+        k = self._count % PAIRS
+        np.multiply(d, delta, out=self._d[k])
+        np.multiply(Z, delta, out=self._Z[k])
+        self._count += 1
 
     def corrected(self, y: Floats, w: Floats) -> Floats:
         """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides."""
-        if not self._d:
+        if not self._count:
             return y
-        Z = np.array(self._Z)
+        d, Z = self._d[: self._count], self._Z[: self._count]
         A = w * Z
         square, V = np.linalg.eigh(A @ A.T)
         sound = square > max((HIDDEN * np.linalg.norm(w * self._U)) ** 2, 1e-13 * square[-1])
         g = V[:, sound] @ ((V[:, sound].T @ (A @ (w * y))) / square[sound])
-        return np.asarray(y + g @ (np.array(self._d) - Z))
+        return np.asarray(y + g @ d - g @ Z)
 
 
 def _unknowns(run: Run) -> Floats:

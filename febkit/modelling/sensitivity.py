@@ -105,7 +105,8 @@ class Sensitivity:
         for k, p in enumerate(self.parameters):
             part = None if every is None else every.isel(time=slice(k, None, len(self.parameters)))
             if why[k]:
-                data = self._difference(p)
+                data, stopped = self._difference(p)
+                why[k] += f"; the runs beside stopped: {stopped}" * bool(stopped)
                 part = held(data).load() if data else None
             parts.append(None if part is None else part.reindex(time=base["time"]))
         names = [n for n, v in base.data_vars.items() if "time" in v.dims and v.dtype.kind == "f"]
@@ -123,8 +124,8 @@ class Sensitivity:
         out = xr.Dataset(fields, {**base.coords, **coords}, base.attrs)
         return out.assign_attrs(why={p.path: w for p, w in zip(self.parameters, why) if w})
 
-    def _difference(self, p: Parameter) -> bytes | bytearray:
-        """Central differences of whole runs, in the run's own steps and to tight tolerances."""
+    def _difference(self, p: Parameter) -> tuple[bytes | bytearray, str]:
+        """Central differences of whole runs, in the run's own steps and to tight tolerances; why they ended early."""
         from febkit.lower import lower
         from febkit.output.derivatives import Difference, Kept
         from febkit.solver.options import Options
@@ -134,10 +135,10 @@ class Sensitivity:
         high, more = p.moved(self.model, FAR * p.size)
         low, less = p.moved(self.model, -FAR * p.size)
         kept = Kept(self.model.record)
-        Retraced(lower(low), [kept], options, self.run.steps).solve()
+        first = Retraced(lower(low), [kept], options, self.run.steps).solve()
         out = Difference(self.model.record, kept.kept, more - less)
-        Retraced(lower(high), [out], options, self.run.steps).solve()
-        return out.buffer.data
+        second = Retraced(lower(high), [out], options, self.run.steps).solve()
+        return out.buffer.data, first.reason or second.reason
 
 
 def of_observables(observe: Observe, base: xr.Dataset, derivatives: xr.Dataset) -> xr.Dataset:
