@@ -176,6 +176,3 @@ def everywhere(problem: Problem, seed: int = 0, generations: int = 20, crowd: in
         init="sobol", x0=np.clip(p.start, p.low, p.high), tol=0.05,
     )  # fmt: skip
     return _best(problem)
-
-
-Method = Callable[[Problem], Ended]

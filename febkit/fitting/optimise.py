@@ -55,7 +55,6 @@ class Optimise:
     method: str
     options: dict[str, float]
     verbose: bool
-    level: str
     parameters: tuple[Parameter, ...]
     lines: tuple[Where, ...]
     A: Floats
@@ -82,7 +81,7 @@ def read(path: str | PathLike[str]) -> Optimise:
             raise InputError(f"<febio_optimize> has no <{name}>", root.where)
     if "Task" in parts and parts["Task"].text.strip() != "solve":
         raise InputError(f"<Task>{parts['Task'].text.strip()}</Task>: febkit has one task, solve", parts["Task"].where)
-    method, options, verbose, level = _options(parts.get("Options"))
+    method, options, verbose = _options(parts.get("Options"))
     parameters = _parameters(parts["Parameters"])
     A, b = _constraints(parts.get("Constraints"), len(parameters))
     remarks = [] if version == "2.0" else [f"FEBio takes version 2.0 of <febio_optimize> alone, not {version}"]
@@ -92,7 +91,7 @@ def read(path: str | PathLike[str]) -> Optimise:
     objective = OBJECTIVES[_choice(parts["Objective"], OBJECTIVES)](parts["Objective"], file.parent)
     if not len(objective.y):
         raise InputError("<Objective> has no data", parts["Objective"].where)
-    return Optimise(root.where, method, options, verbose, level, parameters, lines, A, b, objective, tuple(remarks))
+    return Optimise(root.where, method, options, verbose, parameters, lines, A, b, objective, tuple(remarks))
 
 
 # ---- reading tags ---------------------------------------------------------------------------------------
@@ -123,16 +122,15 @@ def _numbers(tag: Tag, least: int, most: int) -> list[float]:
     return out
 
 
-def _options(tag: Tag | None) -> tuple[str, dict[str, float], bool, str]:
+def _options(tag: Tag | None) -> tuple[str, dict[str, float], bool]:
     if tag is None:
-        return "levmar", dict(METHODS["levmar"]), False, "LOG_DEFAULT"
+        return "levmar", dict(METHODS["levmar"]), False
     method = _choice(tag, METHODS) if "type" in tag.attrs else "levmar"
-    options, verbose, level = dict(METHODS[method]), False, "LOG_DEFAULT"
+    options, verbose = dict(METHODS[method]), False
     for t in _only(tag, *options, "log_level", "print_level"):
         if t.name == "log_level":
-            level = t.text.strip()
-            if level not in LEVELS:
-                raise InputError(f"<log_level> is {level!r}, none of {', '.join(LEVELS)}", t.where)
+            if t.text.strip() not in LEVELS:  # of which FEBio makes nothing either
+                raise InputError(f"<log_level> is {t.text.strip()!r}, none of {', '.join(LEVELS)}", t.where)
         elif t.name == "print_level":
             if t.text.strip() not in PRINT:
                 raise InputError(f"<print_level> is {t.text.strip()!r}, none of {', '.join(PRINT)}", t.where)
@@ -141,7 +139,7 @@ def _options(tag: Tag | None) -> tuple[str, dict[str, float], bool, str]:
             (options[t.name],) = _numbers(t, 1, 1)
             if options[t.name] <= 0 and t.name in ("obj_tol", "f_diff_scale", "max_iter"):
                 raise InputError(f"<{t.name}> must be above 0, not {t.text.strip()}", t.where)
-    return method, options, verbose, level
+    return method, options, verbose
 
 
 def _parameters(tag: Tag) -> tuple[Parameter, ...]:

@@ -16,7 +16,7 @@ from .parameters import Parameter, Spec
 from .run import METHODS
 
 EXPERIMENT = ("model", "data", "observe", "against", "sigma", "meet", "settings")
-TOP = ("parameters", "experiment", "method", "tolerance", "step", "most", "seed", *EXPERIMENT)
+TOP = ("parameters", "experiment", "method", "tolerance", "step", "most", "exact", "seed", *EXPERIMENT)
 NUMBERS = ("low", "start", "high", "log", "paths", "scale")
 
 
@@ -49,6 +49,8 @@ def read(path: str | Path) -> Asked:
     options: dict[str, Any] = {"method": top.choice("method", METHODS[0], METHODS), "seed": top.whole("seed", 0, 0),
                                "most": top.whole("most", 0, 0)}  # fmt: skip
     options |= {k: top.positive(k, 1.0) for k in ("tolerance", "step") if k in given}
+    if "exact" in given:
+        options["exact"] = top.flag("exact", True)
     return Asked([_experiment(t, path.parent) for t in tables], _parameters(top.table("parameters")), options)
 
 
