@@ -14,6 +14,15 @@ its fibers lie on spheres that FEBio meshes anew by their density: fiberODF
 it meshes the model anew: hex_refine; hex_refine2d; mmg_remesh; test_refine; tet_refine
 it reads an image: image map
 it acts within a radius that FEBio 4.11 never sets, but for its plugins: sbm point source; solute point source
+febkit has no contact over cut facets; sliding-elastic and tied-elastic serve the same ends: mortar-sliding; mortar-tied
+febkit ties opposite faces by linear constraints: periodic boundary; surface constraint
+febkit has no contact of edges: edge-to-surface contact potential; edge-to-surface sliding contact
+Newton's method finds the same equilibrium; leave the solver's type out: CG-solid; cgmethod; preconditioner
+febkit has no integration rule for it: tet20; tri10
+febkit takes the usual integration of the element: sri-solid; udg-hex
+no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;
+  pressure_stabilization; surface attraction; sliding-biphasic-mixed; defgrad; parabolic map; surface-to-surface map;
+  element data; spring force; spring stretch
 """
 
 
