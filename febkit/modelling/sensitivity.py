@@ -75,7 +75,7 @@ class Sensitivity:
         self.parameters = parameters(model, given)
         why = refusal(lower(model.record))
         if options.get("accuracy"):
-            why = "steps of second order are not differentiated"
+            why = "steps of second order are not differentiated; runs beside take the same ones by backward Euler"
         self._why = why
         sides = (STEP,) if tolerance >= ONE_SIDED else (BOTH, -BOTH)
         varied = [] if why else [[self._beside(p, h * p.size) for h in sides] for p in self.parameters]
