@@ -34,7 +34,8 @@ class Build(build_ext):
     def libraries_of_kernels(self, levels):
         built = Path.cwd() if self.editable_mode else Path(self.build_lib).resolve()
         objects = Path(self.build_temp).resolve() / "machine"
-        env = {**os.environ, "PYTHONPATH": str(built)}
+        paths = [str(built), os.environ.get("PYTHONPATH")]  # pip's build environment is found by the second
+        env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
         subprocess.run([sys.executable, "-m", "febkit.solver.build", objects, *levels], env=env, check=True)
         for folder in objects.iterdir():
             made = sorted(folder.glob("*.o"))
