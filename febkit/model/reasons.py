@@ -17,7 +17,7 @@ it acts within a radius that FEBio 4.11 never sets, but for its plugins: sbm poi
 febkit has no contact over cut facets; sliding-elastic and tied-elastic serve the same ends: mortar-sliding; mortar-tied
 febkit ties opposite faces by linear constraints: periodic boundary; surface constraint
 febkit has no contact of edges: edge-to-surface contact potential; edge-to-surface sliding contact
-Newton's method finds the same equilibrium; leave the solver's type out: CG-solid; cgmethod; preconditioner
+leave the solver's type out for Newton's method, which may find another equilibrium: CG-solid; cgmethod; preconditioner
 febkit has no integration rule for it: tet20; tri10
 febkit takes the usual integration of the element: sri-solid; udg-hex
 no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;

@@ -34,7 +34,7 @@ class Saved(Listener):
         self.states: list[Any] = []
 
     def save(self, run: Run, status: int) -> None:
-        self.states.append(run.state.copy())
+        self.states.append(run.state.snapshot())
 
 
 def cube(solid: Any, mixture: Any = None, driven: bool = True, force: float = 0.0, **step: Any) -> Problem:
@@ -61,7 +61,7 @@ def refused(problem: Problem, *words: str) -> None:
     assert not result.converged
     for word in words:
         assert word in result.reason, result.reason
-    assert all(np.isfinite(s.d).all() and np.isfinite(s.reaction).all() for s in kept.states)
+    assert all(np.isfinite(s["d"]).all() and np.isfinite(s["reaction"]).all() for s in kept.states)
     assert np.isfinite(result.state.d).all(), "what is handed back is the last good state"
 
 
