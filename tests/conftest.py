@@ -30,3 +30,19 @@ def pytest_xdist_auto_num_workers() -> int:
     from febkit.solver.threads import available
 
     return min(available(), 8)
+
+
+# files of few tests that take long; begun last, they would keep one worker busy while the others have nothing left
+LONG = (
+    "test_blocks", "test_compiling", "test_build", "test_study", "test_sweep", "test_notebooks", "test_resume",
+    "test_wheel",
+)  # fmt: skip
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False  # files in the order below, not those of many tests first
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda i: LONG.index(i.path.stem) if i.path.stem in LONG else len(LONG))
