@@ -25,6 +25,7 @@ from febkit.sampling.content import address
 
 if TYPE_CHECKING:
     from febkit.solver.options import Options
+    from febkit.solver.result import Result
     from febkit.solver.run import Run
 
 FORMAT = 1
@@ -157,8 +158,6 @@ class Plan:
         """Raises ValueError for what means nothing, InputError where the run cannot go on."""
         if changed and not resume:
             raise ValueError("changed means something where a run goes on (resume) alone")
-        if not (every or resume):
-            return cls(Path(), {})
         if plotfile is None:
             raise ValueError("a checkpoint lies beside the plotfile: give that a name")
         asked, path = Every.of(every) if every else None, beside(plotfile)
@@ -174,9 +173,9 @@ class Plan:
         found = [] if self.saved is None else self.saved.head["files"].get(what, [])
         return [None if m is None else (m[0], m[1]) for m in found]
 
-    def ready(self, run: Run) -> None:
+    def solve(self, run: Run) -> Result:
         """Have a run go on, and remember what later ones need. Raises InputError where it cannot."""
-        from febkit.solver.checkpoint import Resumed, refusal
+        from febkit.solver.checkpoint import Resumed, Unfit, refusal
 
         run.remembers = self.every is not None
         why = refusal(run.problem) if self.every is not None else ""
@@ -187,6 +186,10 @@ class Plan:
             why = resumed.mismatch(run)
             if why:
                 raise InputError(f"{self.path}: the checkpoint does not fit the model: {why}")
+        try:
+            return run.solve()
+        except Unfit as e:
+            raise InputError(f"{self.path}: {e}: start anew without --resume") from None
 
 
 def _mesh(model: Model) -> str:

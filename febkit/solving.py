@@ -63,10 +63,8 @@ def solve(
     Raises InputError for bad input and UnsupportedError, before solving, for what febkit does not solve;
     ValueError for an option that means nothing.
     """
-    from febkit.checkpoint import Plan, beside
     from febkit.feb.validation import require
     from febkit.lower import lower
-    from febkit.solver.checkpoint import Unfit
     from febkit.solver.graph import Graph
     from febkit.solver.options import Options
     from febkit.solver.run import Run
@@ -81,9 +79,12 @@ def solve(
     again = getattr(model, "_again", None)
     model = _model(model)
     doubts = require(model)
-    kept = beside(path) if path is not None and (checkpoint or resume) else None
-    data = _destinations(model, path, logfile, kept, start, data_anywhere)
-    plan = Plan.of(model, path, options, checkpoint, resume, changed)
+    data, plan = _destinations(model, path, logfile, checkpoint or resume, start, data_anywhere), None
+    if checkpoint or resume or changed:
+        from febkit.checkpoint import Plan
+
+        plan = Plan.of(model, path, options, checkpoint, resume, changed)
+    marks = plan.marks if plan is not None else lambda _: []
     problem = lower(model)
     if start:
         from febkit.starting import start as begin
@@ -102,19 +103,19 @@ def solve(
         if logfile is not None:
             from febkit.output.log import LogListener
 
-            log = LogListener(model, logfile, *plan.marks("log"))
+            log = LogListener(model, logfile, *marks("log"))
             ends.push(log.__exit__)
             say.append(log.warn)
         if data:
             from febkit.output.logdata import LogDataListener
 
-            records = LogDataListener(model, data, tell, plan.marks("data"))
+            records = LogDataListener(model, data, tell, marks("data"))
             ends.push(records.__exit__)
             told.append(records)
         if plotfile is not None:
             from febkit.output.plotfile import PlotListener
 
-            plot = PlotListener(model, plotfile, tell, *plan.marks("plotfile"))
+            plot = PlotListener(model, plotfile, tell, *marks("plotfile"))
             ends.push(plot.__exit__)
             told.append(plot)
         if log is not None:  # after the others, so that it says nothing that is not written yet
@@ -123,7 +124,7 @@ def solve(
             from febkit.output.progress import ProgressListener
 
             told.append(ProgressListener(Path(model.file).name or "solving"))
-        if plan.every is not None:
+        if plan is not None and plan.every is not None:
             from febkit.output.checkpoints import CheckpointListener, Writes
 
             told.append(CheckpointListener(plan, [q for q in told if isinstance(q, Writes)], tell))
@@ -135,23 +136,22 @@ def solve(
             graph = Graph if again is None else ends.enter_context(again.lent()).graphs
         run = Run(problem, [*told, WarningListener(tell)], options, graph)
         ends.callback(run.team.close)
-        plan.ready(run)
-        try:
-            return run.solve()
-        except Unfit as e:
-            raise InputError(f"{plan.path}: {e}: start anew without --resume") from None
+        return run.solve() if plan is None else plan.solve(run)
 
 
 def _destinations(
-    model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, checkpoint: Path | None,
+    model: Model, plotfile: str | PathLike[str] | None, logfile: str | PathLike[str] | None, checkpoint: bool | str,
     start: str, anywhere: bool,
 ) -> list[Path]:  # fmt: skip
     """The files of <logfile>'s records. Refuses outputs onto the model, onto each other, onto what is no result."""
     from febkit.feb.read import sources
     from febkit.files import Named, is_ours, keep_apart
 
-    own = ("plotfile", plotfile), ("log", logfile), ("checkpoint", checkpoint)
-    outputs: list[Named] = [(w, p, None) for w, p in own if p is not None]
+    outputs: list[Named] = [(w, p, None) for w, p in (("plotfile", plotfile), ("log", logfile)) if p is not None]
+    if checkpoint and plotfile is not None:
+        from febkit.checkpoint import beside as named
+
+        outputs.append(("checkpoint", named(plotfile), None))
     data: list[Path] = []
     if model.output.log:
         from febkit.model.data_files import data_files

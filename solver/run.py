@@ -236,7 +236,8 @@ class Run:
                 self._first_state()
         else:
             s.restore(resumed.opened)
-        self.opened = s.snapshot()
+        if self.remembers:
+            self.opened = s.snapshot()
         try:
             route = self._open()
         except LinearError as e:

@@ -39,38 +39,38 @@ def command(
     """
     if model is not None and input_ is not None:
         raise click.UsageError(f"two models, {input_} and {model}: fit one at a time")
-    inputs = [fit, model or input_, *_named(fit)]
-    check([write], inputs, force)
-    check([data, plot], inputs)
-    report(fitted(fit, model or input_, log, threads, silent), write, data, plot, silent, force)
+    found = fitted(fit, model or input_, log, threads, silent, (write, data, plot), force)
+    report(found, write, data, plot, silent, force)
 
 
-def _named(path: Path) -> list[Path]:
-    """The files that a fit.toml names."""
-    from febkit.fitting import toml
-
-    if path.suffix.lower() != ".toml":
-        return []
-    return [f for e in toml.read(path).experiments for f in (e.model, e.data) if isinstance(f, Path)]
-
-
-def fitted(path: Path, model: Path | None, log: Path | None, threads: int, silent: bool) -> Fit:
-    """The fit that a file asks for."""
+def fitted(
+    path: Path, model: Path | None, log: Path | None, threads: int, silent: bool,
+    outputs: tuple[Path | None, ...] = (), force: bool = False,
+) -> Fit:
+    """The fit that a file asks for. ``outputs``: files for its model, and others, that are none of its inputs."""
     process.one_blas_thread()
     process.keep_freed_memory()
     if path.suffix.lower() == ".toml":
         if model is not None or log is not None:
             raise exits.Refused(f"{path} names its models itself, and has no log" if model else f"{path} has no log")
-        return _of_toml(path, threads, silent)
+        return _of_toml(path, threads, silent, outputs, force)
     if model is None:
         raise exits.Refused(f"{path}: an optimisation file names no model: febkit fit {path} MODEL.feb")
+    _keep_apart(outputs, [path, model], force)
     return _of_febio(path, model, log or path.with_suffix(".log"), threads, silent)
 
 
-def _of_toml(path: Path, threads: int, silent: bool) -> Fit:
+def _keep_apart(outputs: tuple[Path | None, ...], inputs: list[Path], force: bool) -> None:
+    check(outputs[:1], inputs, force)
+    check(outputs[1:], inputs)
+
+
+def _of_toml(path: Path, threads: int, silent: bool, outputs: tuple[Path | None, ...], force: bool) -> Fit:
     from febkit.fitting import fit, toml
 
     asked = toml.read(path)
+    named = [f for e in asked.experiments for f in (e.model, e.data) if isinstance(f, Path)]
+    _keep_apart(outputs, [path, *named], force)
     return fit(asked.experiments, asked.parameters, progress=not silent, threads=threads, **asked.options)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from febkit.model import InputError, Where
-from febkit.study.entries import Entries
+from febkit.model import InputError
+from febkit.study.entries import Entries, load
 
 from .experiment import Experiment
 from .parameters import Parameter, Spec
@@ -32,13 +31,7 @@ class Asked:
 def read(path: str | Path) -> Asked:
     """Read a fit.toml; files that it names lie beside it. Raises InputError naming the file and the entry."""
     path = Path(path)
-    where = Where(str(path))
-    try:
-        given = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as e:
-        raise InputError(f"cannot open the fit: {e.strerror}", where) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as e:
-        raise InputError(f"not well-formed TOML: {e}", where) from None
+    given, where = load(path, "the fit")
     top = Entries(given, where, what="a fit")
     top.only(TOP)
     several = given.get("experiment", [])

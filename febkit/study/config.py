@@ -13,7 +13,7 @@ from typing import Any
 from febkit.model import InputError, Where
 from febkit.units import SYSTEMS
 
-from .entries import Entries
+from .entries import Entries, load
 
 CASES = ("A", "B", "C", "D")
 RECOVERIES = ("element", "polynomial", "patches")  # those of febkit.coupling, which is not loaded to plan
@@ -97,13 +97,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     an override may name any.
     """
     path = Path(path)
-    where = Where(str(path))
-    try:
-        t = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as e:
-        raise InputError(f"cannot open the study: {e.strerror}", where) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as e:
-        raise InputError(f"not well-formed TOML: {e}", where) from None
+    t, where = load(path, "the study")
     own = _folder(Entries(t, where), path)
     for o in overrides:
         _override(t, o)

@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Where
+
+
+def load(path: Path, what: str) -> tuple[dict[str, Any], Where]:
+    """The tables of a TOML file, and where they stand. Raises InputError."""
+    where = Where(str(path))
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8")), where
+    except OSError as e:
+        raise InputError(f"cannot open {what}: {e.strerror}", where) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as e:
+        raise InputError(f"not well-formed TOML: {e}", where) from None
 
 
 class Entries:

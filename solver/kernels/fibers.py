@@ -71,16 +71,7 @@ def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
                     T[p] += k * S[p]
                 if c.shape[0] > 0:
                     add_circles(h, 0, k, N, B)
-        if iso:
-            add_deviatoric_stress(s, i, 1.0 / J[i], T)
-            if c.shape[0] > 0:
-                add_deviatoric_tangent(c, i, 1.0 / J[i], T, h)
-        else:
-            for p in range(6):
-                s[i, p] += T[p] / J[i]
-                if c.shape[0] > 0:
-                    for q in range(6):
-                        c[i, p, q] += h[0, p, q] / J[i]
+        _add(s, c, i, J[i], T, h, iso)
 
 
 @kernel
@@ -134,16 +125,22 @@ def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
                 M[4, 1] += gy * xz
                 M[4, 2] += gz * xz
         _fill(M, h)
-        if iso:
-            add_deviatoric_stress(s, i, 1.0 / J[i], T)
-            if c.shape[0] > 0:
-                add_deviatoric_tangent(c, i, 1.0 / J[i], T, h)
-            continue
-        for p in range(6):
-            s[i, p] += T[p] / J[i]
-            if c.shape[0] > 0:
-                for q in range(6):
-                    c[i, p, q] += h[0, p, q] / J[i]
+        _add(s, c, i, J[i], T, h, iso)
+
+
+@kernel
+def _add(s, c, i, J, T, h, iso):
+    """Add stress T / J and tangent h / J of point i, deviatoric ones where ``iso``."""
+    if iso:
+        add_deviatoric_stress(s, i, 1.0 / J, T)
+        if c.shape[0] > 0:
+            add_deviatoric_tangent(c, i, 1.0 / J, T, h)
+        return
+    for p in range(6):
+        s[i, p] += T[p] / J
+        if c.shape[0] > 0:
+            for q in range(6):
+                c[i, p, q] += h[0, p, q] / J
 
 
 @kernel

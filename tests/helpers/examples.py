@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 
 import numpy as np
 
 from febkit.solver.problem import Block, Problem, Step
 from febkit.solver.rve import Rve
 from febkit.solver.solids.registry import load, tables
-from febkit.solver.values import Constant, Map, as_value
 
 from . import scenes
 
@@ -515,79 +514,3 @@ STRESSED_AT_REST = {
     "hyperelastic",
     *(k for k in SIMPLE if "contraction" in k),
 }
-
-
-def varied(record, n, only=None, seed=7):
-    """Turn each number of ``record`` and below into one for each of ``n`` points, a few per cent apart.
-
-    Returns the names of those that are not zero; ``only`` turns the one of this name alone.
-    """
-    rng, names = np.random.default_rng(seed), []
-
-    def turned(name, v):
-        v = as_value(v) if name.endswith("density_") else v
-        if isinstance(v, Constant) and not name.endswith("tangent_scale"):  # which breaks the law of tangents
-            data = v.number * (1.0 + 0.04 * rng.uniform(-1, 1, n))
-            if v.number:
-                names.append(name)
-            return Map(data) if only in (None, name) else v
-        if isinstance(v, (tuple, list)):
-            return type(v)(turned(f"{name}[{k}]", x) for k, x in enumerate(v))
-        if is_dataclass(v) and not isinstance(v, (type, Map)):
-            walk(v, f"{name}.")
-        return v
-
-    def walk(r, prefix):
-        for f in fields(r):
-            setattr(r, f.name, turned(prefix + f.name, getattr(r, f.name)))
-        _made_again(r)
-
-    walk(record, "")
-    return names
-
-
-def moved(record, amounts):
-    """Add to the numbers of ``record`` and below what ``amounts`` has for their names; the numbers, by name."""
-    numbers = {}
-
-    def turned(name, v):
-        v = as_value(v) if name.endswith("density_") else v
-        if isinstance(v, Constant):
-            numbers[name] = v.number
-            return Constant(v.number + amounts.get(name, 0.0))
-        if isinstance(v, (tuple, list)):
-            return type(v)(turned(f"{name}[{k}]", x) for k, x in enumerate(v))
-        if is_dataclass(v) and not isinstance(v, type):
-            walk(v, f"{name}.")
-        return v
-
-    def walk(r, prefix):
-        for f in fields(r):
-            setattr(r, f.name, turned(prefix + f.name, getattr(r, f.name)))
-        _made_again(r)
-
-    walk(record, "")
-    return numbers
-
-
-def _made_again(record):
-    """Have a record that makes others of its numbers make them of the present ones."""
-    if hasattr(record, "__post_init__"):
-        record.__post_init__()
-
-
-def alone(record, k):
-    """A varied record as the point ``k`` has it: numbers again."""
-
-    def turned(v):
-        if isinstance(v, Map):
-            return Constant(float(v.data[k]))
-        if isinstance(v, (tuple, list)):
-            return type(v)(turned(x) for x in v)
-        if is_dataclass(v) and not isinstance(v, (type, Constant)):
-            for f in fields(v):
-                setattr(v, f.name, turned(getattr(v, f.name)))
-            _made_again(v)
-        return v
-
-    return turned(record)

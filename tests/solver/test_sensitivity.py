@@ -25,7 +25,7 @@ from febkit.solver.solids.registry import tables
 from febkit.solver.solids.solid_mixture import SolidMixture
 from febkit.solver.solids.viscoelastic import Viscoelastic
 from febkit.solver.values import Constant, Scaled
-from helpers import blocks, examples, scenes
+from helpers import blocks, examples, scenes, varying
 from helpers.pair import Pair
 
 H = 1e-5  # of the parameters, in central differences
@@ -84,7 +84,7 @@ def sheared(solid: Solid, physics: Any = None, stretch: float = -0.06, **step: A
 
 def _law(name: str, amounts: Numbers) -> tuple[Problem, Numbers]:
     solid = LAWS[name]()
-    numbers = examples.moved(solid, amounts)
+    numbers = varying.moved(solid, amounts)
     numbers.pop(JUMPS.get(name, ""), None)
     return sheared(SolidMixture(solid=(NeoHookean(2.0, 0.3), solid))), numbers
 
@@ -101,26 +101,10 @@ def test_parameters_of_laws(name: str) -> None:
 
 
 # ---- fluids, dynamics, multipliers, contact, rigid bodies -----------------------------------------------------------
-PERMEABILITIES: dict[str, dict[str, Any]] = {
-    "perm-const-iso": {"perm": 0.7},
-    "perm-Holmes-Mow": {"perm": 0.7, "M": 1.3, "alpha": 2.1},
-    "perm-exp-iso": {"perm": 0.7, "M": 1.3},
-    "perm-ref-iso": {"perm0": 0.7, "perm1": 0.4, "perm2": 0.3, "M": 1.3, "alpha": 2.1},
-    "perm-ref-trans-iso": {
-        "perm0": 0.7, "perm1T": 0.4, "perm1A": 0.6, "perm2T": 0.3, "perm2A": 0.5, "M0": 1.3, "MT": 0.8, "MA": 0.4,
-        "alpha0": 2.1, "alphaT": 1.7, "alphaA": 1.2,
-    },
-    "perm-ref-ortho": {
-        "perm0": 0.7, "M0": 1.3, "alpha0": 2.1, "perm1": (0.4, 0.5, 0.6), "perm2": (0.3, 0.2, 0.1),
-        "M": (0.8, 0.4, 0.2), "alpha": (1.7, 1.2, 0.5),
-    },
-}  # fmt: skip
-
-
 def _fluid(name: str, amounts: Numbers) -> tuple[Problem, Numbers]:
     """A porous element that drains at one side, its solid fraction among the parameters."""
-    mix = Biphasic(permeabilities.load(name)(**PERMEABILITIES[name]), phi0=Constant(0.2))
-    numbers = examples.moved(mix, amounts)
+    mix = Biphasic(permeabilities.load(name)(**varying.PERMEABILITIES[name]), phi0=Constant(0.2))
+    numbers = varying.moved(mix, amounts)
     problem = sheared(NeoHookean(1.0, 0.3), mix, analysis=TRANSIENT)
     problem.steps[0].conditions.append(Fixed(problem.layout.column("p"), HIGH))
     return problem, numbers
@@ -134,7 +118,7 @@ def test_parameters_of_permeabilities(name: str) -> None:
 
 
 def _of_solid(make: Callable[[Solid], Problem], solid: Solid, amounts: Numbers) -> tuple[Problem, Numbers]:
-    numbers = examples.moved(solid, amounts)
+    numbers = varying.moved(solid, amounts)
     return make(solid), numbers
 
 
@@ -205,7 +189,7 @@ def test_a_parameter_at_which_the_answer_jumps_is_given_up() -> None:
 
     def make(amount: float) -> Problem:
         solid = examples.example("lung")
-        examples.moved(solid, {"d3": amount})
+        varying.moved(solid, {"d3": amount})
         return sheared(solid)
 
     s = Sensitivities([[(make(1e-6), 1e-6)]])

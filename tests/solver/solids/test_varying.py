@@ -12,7 +12,7 @@ from febkit.solver import permeabilities, supplies
 from febkit.solver.points import Points
 from febkit.solver.solids import history
 from febkit.solver.solids.registry import tables
-from helpers import examples, laws
+from helpers import examples, laws, varying
 
 N = 6
 Q = laws.rotation(5)[None]
@@ -52,7 +52,7 @@ def answers(solid, G, e):
 
 def varied(name):
     solid = ALL[name]()
-    examples.varied(solid, N)
+    varying.varied(solid, N)
     return solid
 
 
@@ -60,7 +60,7 @@ def varied(name):
 def test_a_point_among_others_is_as_it_is_alone(name):
     whole = answers(varied(name), F, np.arange(N))
     for k in range(N):
-        one = examples.alone(varied(name), k)
+        one = varying.alone(varied(name), k)
         for what, value in answers(one, F[k : k + 1], np.zeros(1, int)).items():
             scale = max(np.abs(whole[what]).max(), 1e-300)
             np.testing.assert_allclose(whole[what][k], value[0], atol=1e-13 * scale, rtol=1e-12, err_msg=what)
@@ -88,9 +88,9 @@ WITHOUT_EFFECT = {  # numbers that have none here
 def test_each_number_counts_at_its_own_point(name):
     """No number is taken from one point for all."""
     same, idle = answers(ALL[name](), F, np.arange(N)), []
-    for number in examples.varied(ALL[name](), N):
+    for number in varying.varied(ALL[name](), N):
         solid = ALL[name]()
-        examples.varied(solid, N, number)
+        varying.varied(solid, N, number)
         one = answers(solid, F, np.arange(N))
         change = [np.abs(one[k] - same[k]).reshape(N, -1).max(axis=1) for k in same]
         if not np.max(change, axis=0)[1:].max() > 0.0:
@@ -125,20 +125,6 @@ def test_frame_indifference(name):
 
 
 # ---- permeabilities and supplies ------------------------------------------------------------------------------------
-FLUID = {
-    "perm-const-iso": {"perm": 0.7},
-    "perm-Holmes-Mow": {"perm": 0.7, "M": 1.3, "alpha": 2.1},
-    "perm-exp-iso": {"perm": 0.7, "M": 1.3},
-    "perm-ref-iso": {"perm0": 0.7, "perm1": 0.4, "perm2": 0.3, "M": 1.3, "alpha": 2.1},
-    "perm-ref-trans-iso": {
-        "perm0": 0.7, "perm1T": 0.4, "perm1A": 0.6, "perm2T": 0.3, "perm2A": 0.5, "M0": 1.3, "MT": 0.8, "MA": 0.4,
-        "alpha0": 2.1, "alphaT": 1.7, "alphaA": 1.2,
-    },
-    "perm-ref-ortho": {
-        "perm0": 0.7, "M0": 1.3, "alpha0": 2.1, "perm1": (0.4, 0.5, 0.6), "perm2": (0.3, 0.2, 0.1),
-        "M": (0.8, 0.4, 0.2), "alpha": (1.7, 1.2, 0.5),
-    },
-}  # fmt: skip
 
 
 def flow(law, G, e, phi):
@@ -153,23 +139,23 @@ def test_permeabilities_at_a_point_among_others(name):
     phi = np.linspace(0.2, 0.4, N)
 
     def law():
-        out = permeabilities.load(name)(**FLUID[name])
-        assert examples.varied(out, N)
+        out = permeabilities.load(name)(**varying.PERMEABILITIES[name])
+        assert varying.varied(out, N)
         return out
 
     whole = flow(law(), F, np.arange(N), phi)
     for k in range(N):
-        one = flow(examples.alone(law(), k), F[k : k + 1], np.zeros(1, int), phi[k : k + 1])
+        one = flow(varying.alone(law(), k), F[k : k + 1], np.zeros(1, int), phi[k : k + 1])
         for a, b in zip(whole, one, strict=True):
             np.testing.assert_allclose(a[k], b[0], rtol=1e-12, atol=1e-14)
-    first = flow(examples.alone(law(), 0), F, np.arange(N), phi)
+    first = flow(varying.alone(law(), 0), F, np.arange(N), phi)
     assert np.abs(whole[0][1:] - first[0][1:]).max() > 1e-3
 
 
 @pytest.mark.parametrize("name", permeabilities.TYPES)
 def test_tangents_of_permeabilities_that_vary(name):
-    law = permeabilities.load(name)(**FLUID[name])
-    examples.varied(law, N)
+    law = permeabilities.load(name)(**varying.PERMEABILITIES[name])
+    varying.varied(law, N)
     phi, e, h = np.linspace(0.2, 0.4, N), np.arange(N), 1e-6
     K, D = flow(law, F, e, phi)
     for r, (i, j) in enumerate(laws.VOIGT):
@@ -185,7 +171,7 @@ def test_tangents_of_permeabilities_that_vary(name):
 def test_supplies_at_a_point_among_others(name):
     given = {"Starling": {"kp": 0.4, "pv": 3.0}}[name]
     law, p = supplies.load(name)(**given), np.linspace(1.0, 5.0, N)
-    examples.varied(law, N)
+    varying.varied(law, N)
     rate, dE, dp = np.zeros(N), np.zeros((N, 6)), np.zeros(N)
     law.supply(at(F, np.arange(N)), p, rate, dE, dp)
     more = np.zeros(N)
@@ -193,8 +179,8 @@ def test_supplies_at_a_point_among_others(name):
     np.testing.assert_allclose((more - rate) / 1e-6, dp, rtol=1e-7)
     for k in range(N):
         one = supplies.load(name)(**given)
-        examples.varied(one, N)
+        varying.varied(one, N)
         q, d = np.zeros(1), np.zeros(1)
-        examples.alone(one, k).supply(at(F[k : k + 1], np.zeros(1, int)), p[k : k + 1], q, None, d)
+        varying.alone(one, k).supply(at(F[k : k + 1], np.zeros(1, int)), p[k : k + 1], q, None, d)
         np.testing.assert_allclose([rate[k], dp[k]], [q[0], d[0]], rtol=1e-13)
     assert np.ptp(dp) > 1e-3
