@@ -14,10 +14,11 @@ import numpy as np
 from febkit.model import InputError
 from febkit.model.mesh import Floats, Ints
 
-from .cells import Cells, Places, block_sizes, make_cells, place_at, place_at_random
+from .cells import Chondron, make_chondrons
 from .lattice import hexahedra, in_file_order, nodes_at, skin_index
 from .ogrid import Pattern, block_nodes, pattern
 from .parts import Parts, numbered
+from .places import Places, block_sizes, place_at, place_at_random
 from .quality import volumes
 
 
@@ -29,7 +30,7 @@ class CellCube:
     """
 
     mesh: Parts
-    cells: Cells
+    cells: list[Chondron]
     places: Places
     background: Ints
     edge: float
@@ -44,7 +45,7 @@ def cell_cube(p: dict[str, Any]) -> CellCube:
     rng = np.random.default_rng(int(p["seed"]))
     given = list(p["centres"])
     count = len(given) if given else int(p["cells"])
-    cells = make_cells(count, p["diameter"], p["thickness"], p["orientation"], rng)
+    cells = make_chondrons(p, count, rng)
     size = block_sizes(cells, edge / n, int(p["block"]), float(p["room"]))
     margin, least = int(p["margin"]), float(p["gap"])
     if given:
@@ -68,7 +69,7 @@ def _background(places: Places, n: int) -> tuple[Ints, Ints]:
     return ids, conn[in_file_order(element)]
 
 
-def _assemble(cells: Cells, places: Places, edge: float, n: int, layers: tuple[int, int, int],
+def _assemble(cells: list[Chondron], places: Places, edge: float, n: int, layers: tuple[int, int, int],
               growth: float) -> CellCube:
     """Number the nodes (background first, then cell by cell) and gather the parts."""
     ids, kept = _background(places, n)
@@ -82,8 +83,7 @@ def _assemble(cells: Cells, places: Places, edge: float, n: int, layers: tuple[i
         size = (int(places.size[c, 0]), int(places.size[c, 1]), int(places.size[c, 2]))
         p = patterns.setdefault(size, pattern(size, layers))
         box = ids[tuple((skin_index(size) + places.start[c]).T)]
-        inner, outer = cells.stretch(c), cells.stretch(c, float(cells.thickness[c]))
-        X.append(block_nodes(p, places.centres[c], inner, outer, lattice[box], growth))
+        X.append(block_nodes(p, places.centres[c], cells[c], lattice[box], growth))
         number = np.concatenate([np.arange(first, first + p.interior), box])
         shells[f"cell_{c + 1}"], shells[f"pcm_{c + 1}"] = number[p.cell], number[p.pcm]
         ecm.append(number[p.ecm])
@@ -93,19 +93,21 @@ def _assemble(cells: Cells, places: Places, edge: float, n: int, layers: tuple[i
     return CellCube(Parts(np.concatenate(X), parts), cells, places, ids, edge)
 
 
-def volume_report(mesh: Parts, cells: Cells, edge: float) -> dict[str, float]:
-    """Volume fractions of cells and PCM in a cube, by the mesh and by the exact ellipsoids."""
+def volume_report(mesh: Parts, cells: list[Chondron], whole: float) -> dict[str, float]:
+    """Volume fractions of cells and PCM in a volume, by the mesh and exactly; the PCM's thickness."""
     got: dict[str, float] = {"cell": 0.0, "pcm": 0.0}
     for name, (kind, conn) in mesh.parts.items():
         role = name.partition("_")[0]
         if role in got:
             got[role] += float(volumes(mesh.X, kind, conn).sum())
-    exact: tuple[Floats, Floats] = cells.volumes()
-    cube = edge**3
+    exact: Floats = np.array([c.volumes for c in cells]).sum(axis=0)
+    thickness = [c.thickness for c in cells]
     return {
-        "cell volume fraction": got["cell"] / cube,
-        "exact cell volume fraction": float(exact[0].sum()) / cube,
-        "PCM volume fraction": got["pcm"] / cube,
-        "exact PCM volume fraction": float(exact[1].sum()) / cube,
-        "ECM volume fraction": 1.0 - (got["cell"] + got["pcm"]) / cube,
+        "cell volume fraction": got["cell"] / whole,
+        "exact cell volume fraction": float(exact[0]) / whole,
+        "PCM volume fraction": got["pcm"] / whole,
+        "exact PCM volume fraction": float(exact[1]) / whole,
+        "ECM volume fraction": 1.0 - (got["cell"] + got["pcm"]) / whole,
+        "thinnest PCM": min(t for t, _ in thickness),
+        "thickest PCM": max(t for _, t in thickness),
     }

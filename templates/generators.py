@@ -8,7 +8,7 @@ from typing import Any
 from febkit.model import InputError
 
 from .parts import Generated, Parts
-from .quality import judge
+from .quality import jacobians, judge
 from .sets import named_mesh
 
 ROLES = {"tissue": "ecm", "ecm": "ecm", "pcm": "pcm", "cell": "chondrocyte"}
@@ -18,8 +18,10 @@ def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
     """The model's mesh, the names templates may use, and the report of its quality."""
     quality = judge(made.X, list(made.parts.values()))
     if quality.jacobian_min <= 0:
-        raise InputError("the mesh has elements turned inside out: the cells leave too little room around "
-                         "them; raise gap or room, or give a finer background (n)")
+        inside_out = [name for name, p in made.parts.items() if jacobians(made.X, *p).min() <= 0]
+        raise InputError(f"the mesh has elements turned inside out, in {', '.join(inside_out)}: the cells leave too "
+                         "little room around them (raise gap or room, or give a finer background, n), or lie too far "
+                         "off the middle of their PCM (reduce shift)")
     parts = []
     for name in made.parts:
         role = ROLES.get(name.partition("_")[0])
@@ -46,7 +48,7 @@ def _cell(p: dict[str, Any]) -> Generated:
         return _from_file(p)
     cube = cell_cube(p)
     more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres}
-    return _finished(cube.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge))
+    return _finished(cube.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
 def _embedded(p: dict[str, Any]) -> Generated:
@@ -59,7 +61,7 @@ def _embedded(p: dict[str, Any]) -> Generated:
     cube = whole.inner
     more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres,
                             "nodes of the cell cube": len(cube.mesh.X)}
-    return _finished(whole.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge))
+    return _finished(whole.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
 def _from_file(p: dict[str, Any]) -> Generated:

@@ -3,7 +3,8 @@
 Hexahedra only. On a lattice of m_x x m_y x m_z the parameters s in [-1, 1]^3 become
 t = tan(pi s / 4), so that the planes of the lattice cut the unit sphere at equal angles; n = t/|t|
 are the directions. Layers grow from the core's skin along the directions to the cell's surface and
-the PCM's, both exact at every node, and along straight lines to the skin of the block.
+the PCM's, both exact at every node, and along straight lines to the skin of the block. Where the cell
+lies off the PCM's middle, lines join points of one direction, so the PCM's nodes are those of any shift.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from febkit.model.mesh import Floats, Ints
 
+from .cells import Chondron
 from .lattice import grown, hexahedra, in_file_order, node_lattice, skin_index, skin_quads, spaced
 
 # share of the cell's radius that the core takes, and how round the core's skin is (0 cube, 1 sphere)
@@ -60,27 +62,31 @@ def pattern(size: tuple[int, int, int], layers: tuple[int, int, int]) -> Pattern
 def core_nodes(t: Floats, share: float = CORE, rounding: float = ROUND) -> Floats:
     """The core of the unit cell: the lattice between a cube (rounding 0) and a ball (rounding 1)."""
     reach = np.abs(t).max(axis=1, keepdims=True)
-    length = np.linalg.norm(t, axis=1, keepdims=True)
-    n = t / np.where(length > 0, length, 1.0)
+    n = unit(t)
     cube = t * np.sqrt(2.0 / 3.0)
     w = rounding * reach
     x: Floats = share * ((1.0 - w) * cube + w * reach * n)
     return x
 
 
-def block_nodes(p: Pattern, centre: Floats, inner: Floats, outer: Floats, box: Floats,
-                ratio: float) -> Floats:
-    """Coordinates (node, 3) of a block's interior nodes.
+def unit(t: Floats) -> Floats:
+    """Directions (node, 3) of vectors; zero ones stay."""
+    length = np.linalg.norm(t, axis=1, keepdims=True)
+    n: Floats = t / np.where(length > 0, length, 1.0)
+    return n
 
-    ``inner`` and ``outer`` are the stretches (3, 3) of the cell's and the PCM's ellipsoids, ``box``
-    (skin node, 3) the box's nodes, ``ratio`` the last over the first thickness of the layers outside.
+
+def block_nodes(p: Pattern, centre: Floats, chondron: Chondron, box: Floats, ratio: float) -> Floats:
+    """Coordinates (node, 3) of a block's interior nodes, the PCM's middle at ``centre``.
+
+    ``box`` (skin node, 3) are the box's nodes, ``ratio`` the last over the first thickness of the layers outside.
     """
-    core = core_nodes(p.parameters)
-    t = p.parameters[p.skin]
-    n = t / np.linalg.norm(t, axis=1, keepdims=True)
-    stations = [core[p.skin] @ inner, n @ inner, n @ outer, box - centre]
+    directions = unit(p.parameters)
+    core = chondron.cell.surface(directions, core_nodes(p.parameters))
+    n = directions[p.skin]
+    stations = [core[p.skin], chondron.cell.surface(n), chondron.pcm.surface(n), box - centre]
     levels = []
     for a, b, count, r in zip(stations[:-1], stations[1:], p.layers, (1.0, 1.0, ratio), strict=True):
         levels += [(1.0 - f) * a + f * b for f in spaced(0.0, 1.0, count, r)[1:]]
-    x: Floats = centre + np.concatenate([core @ inner, *levels[:-1]])
+    x: Floats = centre + np.concatenate([core, *levels[:-1]])
     return x

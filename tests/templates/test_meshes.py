@@ -10,7 +10,7 @@ import pytest
 
 from febkit.model import InputError
 from febkit.templates.cell_cube import cell_cube, volume_report
-from febkit.templates.cells import Cells, make_cells
+from febkit.templates.cells import make_chondrons
 from febkit.templates.coarsening import Skin, around
 from febkit.templates.elements import FILLS, filled
 from febkit.templates.embedded_cube import embedded_cube
@@ -155,7 +155,7 @@ def test_volume_fractions_approach_the_spheres_at_second_order() -> None:
     for block, n in ((4, 18), (8, 36), (16, 72)):
         p = values("cell", n=n, block=block, centres=[[0.0, 0.0, 0.0]], layers=[2, 2, 2], cells=1)
         cube = cell_cube(p)
-        v = volume_report(cube.mesh, cube.cells, 0.1)
+        v = volume_report(cube.mesh, cube.cells, 0.1**3)
         missing.append(1.0 - v["cell volume fraction"] / v["exact cell volume fraction"])
         assert v["exact PCM volume fraction"] == pytest.approx(4 / 3 * np.pi * (7.5**3 - 5**3) / 100**3)
     rates = np.log2(np.array(missing[:-1]) / missing[1:])
@@ -189,7 +189,7 @@ def test_ellipsoids_of_their_own_sizes() -> None:
     assert_conforming(mesh, 0.1)
     assert min(jacobians(mesh.X, *p).min() for p in mesh.parts.values()) > 0
     for c in range(3):
-        R, centre = cube.cells.rotation[c], cube.places.centres[c]
+        R, centre = cube.cells[c].cell.rotation, cube.places.centres[c]
         assert np.allclose(R @ R.T, np.eye(3)) and np.linalg.det(R) == pytest.approx(1.0)
         cell, pcm = mesh.parts[f"cell_{c + 1}"][1], mesh.parts[f"pcm_{c + 1}"][1]
         semi = np.array(diameter[c]) / 2.0
@@ -212,7 +212,7 @@ def test_given_centres_are_kept() -> None:
     ({"centres": [[0, 0, 0], [0.012, 0, 0]]}, "overlaps"),
     ({"cells": 200, "n": 12}, "no room"),
     ({"block": 3}, "too small"),
-    ({"diameter": [0.01, 0.02]}, "11 lengths"),
+    ({"diameter": [0.01, 0.02]}, "11 numbers"),
     ({"orientation": "sideways"}, "aligned"),
 ])
 def test_impossible_cells_are_refused(given: dict[str, Any], words: str) -> None:
@@ -220,16 +220,18 @@ def test_impossible_cells_are_refused(given: dict[str, Any], words: str) -> None
         cell_cube(values("cell", **given))
 
 
+def turned(**given: Any) -> Any:
+    p = values("cell", orientation=[[0.0, 0.0, np.pi / 2.0]], **given)
+    return make_chondrons(p, 1, np.random.default_rng(0))[0]
+
+
 def test_rotation_vectors() -> None:
-    rng = np.random.default_rng(0)
-    cells = make_cells(1, 0.01, 0.002, [[0.0, 0.0, np.pi / 2.0]], rng)
-    assert np.allclose(cells.rotation[0] @ [1, 0, 0], [0, 1, 0])
+    assert np.allclose(turned().cell.rotation @ [1, 0, 0], [0, 1, 0])
 
 
 def test_half_extents_of_a_turned_ellipsoid() -> None:
-    turn = make_cells(1, 0.01, 0.002, [[0.0, 0.0, np.pi / 2.0]], np.random.default_rng(0)).rotation
-    cells = Cells(np.array([[1.0, 2.0, 3.0]]), np.array([0.5]), turn)
-    assert np.allclose(cells.half_extents(), [[2.5, 1.5, 3.5]])
+    chondron = turned(diameter=[[2.0, 4.0, 6.0]], thickness=0.5)
+    assert np.allclose(chondron.pcm.half_extents(), [2.5, 1.5, 3.5])
 
 
 # control
