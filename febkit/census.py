@@ -162,7 +162,9 @@ def _models(kind: str, name: str) -> Iterator[str]:
         e = elements.ELEMENTS[name]
         which = {3: "Solid", 2: "Shell", 1: "Beam"}[e.dim]
         if e.dim == 1:
-            fields["material"] = '<material id="1" name="m" type="linear truss"/>'
+            beam = "linear-beam" if e.nodes > 2 else "linear truss"
+            fields["material"] = f'<material id="1" name="m" type="{beam}"/>'
+            fields["domain"] = ' type="linear-beam"' if e.nodes > 2 else ""
         nodes = ",".join(map(str, range(1, e.nodes + 1)))
         yield MODEL.format(**fields | {"kind": which, "element": name, "nodes": nodes})
         if e.dim == 2:

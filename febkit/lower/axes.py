@@ -57,7 +57,17 @@ def _nodes(ctx: Context, c: Component, part: str, n: int) -> tuple[int, ...]:
     return given
 
 
+def _given_axes(c: Component) -> axes.FixedAxes:
+    """Axes by the nine numbers of a rotation, row by row."""
+    leaf = c.child("const") or c
+    Q = np.reshape(leaf.as_floats(9), (3, 3))
+    if np.abs(Q @ Q.T - np.eye(3)).max() > 1e-3 or np.linalg.det(Q) < 0.0:
+        raise InputError(f"{leaf.what} must be a rotation, its columns unit vectors at right angles", leaf.where)
+    return axes.FixedAxes(Q[None])
+
+
 MAT_AXIS: dict[str, Make] = {
+    "const": lambda _, c, p: _given_axes(c),
     "vector": lambda _, c, p: axes.vector_axes(_vec(c, "a", (1, 0, 0)), _vec(c, "d", (0, 1, 0))),
     "local": lambda x, c, p: axes.local_axes(_coordinates(x, p), _nodes(x, c, p, 3)),  # type: ignore[arg-type]
     "angles": lambda x, c, p: axes.AngleAxes(x.value(c.child("theta"), 0.0, p), x.value(c.child("phi"), 90.0, p)),

@@ -10,8 +10,8 @@ from febkit.record import value_record
 
 Facets = tuple[tuple[str, tuple[int, ...]], ...]
 
-DIMENSIONS = {"hex": 3, "tet": 3, "penta": 3, "pyra": 3, "quad": 2, "tri": 2, "line": 1, "truss": 1, "beam": 1}
-CORNERS = {"hex": 8, "tet": 4, "penta": 6, "pyra": 5, "quad": 4, "tri": 3, "line": 2, "truss": 2, "beam": 2}
+DIMENSIONS = {"hex": 3, "tet": 3, "penta": 3, "pyra": 3, "quad": 2, "tri": 2, "line": 1, "truss": 1}
+CORNERS = {"hex": 8, "tet": 4, "penta": 6, "pyra": 5, "quad": 4, "tri": 3, "line": 2, "truss": 2}
 # outward, corners alone
 FACES: dict[str, Facets] = {
     "hex": (("quad", (0, 1, 5, 4)), ("quad", (1, 2, 6, 5)), ("quad", (2, 3, 7, 6)), ("quad", (3, 0, 4, 7)),
@@ -30,6 +30,11 @@ EDGES: dict[str, tuple[tuple[int, int], ...]] = {
 }  # fmt: skip
 # nodes in the middles of the facets, in the facets' order
 MIDDLES = {"hex27": (20, 21, 22, 23, 24, 25), "tet15": (11, 12, 13, 10)}
+# facets with two nodes on each edge
+CUBIC: dict[str, Facets] = {
+    "tet20": (("tri10", (0, 1, 3, 4, 5, 12, 13, 10, 11, 16)), ("tri10", (1, 2, 3, 6, 7, 14, 15, 12, 13, 17)),
+              ("tri10", (2, 0, 3, 9, 8, 10, 11, 14, 15, 18)), ("tri10", (2, 1, 0, 7, 6, 5, 4, 9, 8, 19))),
+}  # fmt: skip
 
 
 @value_record
@@ -60,6 +65,8 @@ class ElementType:
     @property
     def facets(self) -> Facets:
         """Facets as (type, local nodes): corners, middles of the edges, the facet's own middle node."""
+        if self.name in CUBIC:
+            return CUBIC[self.name]
         edges = EDGES.get(self.shape, ())
         if self.nodes < self.corners + len(edges):  # linear, maybe with a node inside
             edges = ()
@@ -116,7 +123,6 @@ ELEMENTS: dict[str, ElementType] = _table("""
     line3   19 line3
     tri7     - triangle6:6
     truss2   -
-    beam3    -
 """)
 
 

@@ -18,11 +18,15 @@ febkit has no contact over cut facets; sliding-elastic and tied-elastic serve th
 febkit ties opposite faces by linear constraints: periodic boundary; surface constraint
 febkit has no contact of edges: edge-to-surface contact potential; edge-to-surface sliding contact
 leave the solver's type out for Newton's method, which may find another equilibrium: CG-solid; cgmethod; preconditioner
-febkit has no integration rule for it: tet20; tri10
+it makes where a step ended the reference, which febkit keeps throughout: prestrain
+the older form of sliding-biphasic, which serves the same end: sliding2
+it says how much a mesh must be refined: relative error
+its values vary within elements or facets, which those of febkit's maps do not: defgrad; parabolic map;
+  surface-to-surface map
 febkit takes the usual integration of the element: sri-solid; udg-hex
 no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;
-  pressure_stabilization; surface attraction; sliding-biphasic-mixed; defgrad; parabolic map; surface-to-surface map;
-  element data; spring force; spring stretch
+  pressure_stabilization; surface attraction; sliding-biphasic-mixed; element data
+springs do not erode in febkit: spring force; spring stretch
 """
 
 

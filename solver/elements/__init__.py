@@ -12,8 +12,9 @@ from .base import Element, Shape
 
 _shapes: dict[str, Shape] = {}
 
-VOLUMES = ("hex8", "tet4", "penta6", "pyra5", "hex20", "tet10", "hex27", "tet15", "penta15", "pyra13", "tet5")
-FACETS = ("quad4", "tri3", "quad8", "tri6", "quad9", "tri7")
+VOLUMES = ("hex8", "tet4", "penta6", "pyra5", "hex20", "tet10", "hex27", "tet15", "penta15", "pyra13", "tet5",
+           "tet20")  # fmt: skip
+FACETS = ("quad4", "tri3", "quad8", "tri6", "quad9", "tri7", "tri10")
 LINES = ("line2", "line3")
 SHELLS = ("shell_quad4", "shell_quad8", "shell_tri3", "shell_tri6")
 

@@ -140,15 +140,16 @@ class Shape:
         return out
 
     def _edges(self) -> tuple[tuple[int, ...], ...]:
-        """Edges in the order the facets meet them: both ends, then the middle node where there is one."""
+        """Edges in the order the facets meet them: both ends, then the nodes between."""
         found: dict[tuple[int, ...], tuple[int, ...]] = {}
         if self.dim == 1:
             return (tuple(range(len(self.nodes))),)
         loops = self.facets or ((self.name, tuple(range(len(self.nodes)))),)
         for kind, loop in loops:
             m = 4 if kind.startswith("quad") else 3
+            between = len(loop) // m - 1
             for i in range(m):
                 ends = loop[i], loop[(i + 1) % m]
-                middle = loop[m + i : m + i + 1] if len(loop) >= 2 * m else ()
+                middle = loop[m + between * i : m + between * (i + 1)]
                 found.setdefault(tuple(sorted(ends)), (*ends, *middle))
         return tuple(found.values())

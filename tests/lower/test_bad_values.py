@@ -59,6 +59,9 @@ BAD = {
     "fiber 99": (material(FIBER.format('<fiber type="local">1,99</fiber>')), "has nodes 1 to 8, not 99"),
     "fiber itself": (material(FIBER.format('<fiber type="local">2,2</fiber>')), "two different nodes"),
     "axes text": (material(SOLID.format(E=1, more='<mat_axis type="local">x,2,3</mat_axis>')), "must be a number"),
+    "axes bent": (
+        material(SOLID.format(E=1, more='<mat_axis type="const">1,0,0,0,1,0,0,0.1,1</mat_axis>')), "must be a rotation"
+    ),
     "pressure model": (
         material('<material id="1" name="m" type="Mooney-Rivlin"><c1>1</c1><c2>0</c2><k>9</k>'
                  "<pressure_model>nike</pressure_model></material>"),

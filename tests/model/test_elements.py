@@ -29,9 +29,12 @@ def test_middles_lie_between_corners(name: str) -> None:
     for kind, loop in ELEMENTS[name].facets:
         c, k = corners(kind), len(loop)
         y = x[list(loop)]
-        if k >= 2 * c:
+        if k == 3 * c + 1:  # two on each edge, on the last from its end
+            ends = np.array([(0, 1), (1, 0), (1, 2), (2, 1), (0, 2), (2, 0)])
+            np.testing.assert_allclose(y[c:-1], (2 * y[ends[:, 0]] + y[ends[:, 1]]) / 3, atol=1e-12)
+        elif k >= 2 * c:
             np.testing.assert_allclose(y[c : 2 * c], 0.5 * (y[:c] + np.roll(y[:c], -1, axis=0)), atol=1e-12)
-        if k == 2 * c + 1:
+        if k % c == 1:
             np.testing.assert_allclose(y[-1], y[:c].mean(axis=0), atol=1e-12)
         n = np.cross(y[1] - y[0], y[2] - y[0])
         assert n @ (y[:c].mean(axis=0) - x[: ELEMENTS[name].corners].mean(axis=0)) > 0  # outward

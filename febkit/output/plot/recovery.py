@@ -16,7 +16,7 @@ from .base import AtPoints, Floats, Give, Part, full, register, shared
 from .kinematics import infinitesimal, lagrange
 from .motion import position
 
-TERMS = {"tet4": 4, "tet5": 4, "tet10": 10, "tet15": 10, "hex8": 7, "hex20": 10, "hex27": 10}
+TERMS = {"tet4": 4, "tet5": 4, "tet10": 10, "tet15": 10, "tet20": 10, "hex8": 7, "hex20": 10, "hex27": 10}
 LINEAR = {"tet10": 4, "tet15": 4, "hex20": 7, "hex27": 7}
 CORNERS = {"tet": 4, "hex": 8}
 
