@@ -190,12 +190,12 @@ def _pair(ctx: Context, c: Component) -> tuple[str, str]:
 
 
 def _facets(ctx: Context, c: Component, name: str, which: str, penalty: bool, offset: bool) -> Any:
-    from febkit.solver.contact.surface import Facets
+    from febkit.solver.contact.surface import INVERTED, Facets
 
     conn = dict(ctx.model.mesh.surfaces[name].facets)
     at_nodes = "node-on-facet" in (c.type or "") or c.type == "sticky"
     for kind in conn:
-        if kind not in elements.FACETS or (at_nodes and kind not in nodal.WEIGHTS):
+        if kind not in INVERTED or (at_nodes and kind not in nodal.WEIGHTS):
             ctx.refuse(f'<contact type="{c.type}"> on {kind} facets', c.where)
     out = Facets(conn)
     if c.choice("integration_rule", RULES, False) and c.type == "contact potential":

@@ -22,9 +22,9 @@ INVERTED = {
 
 @cache
 def polynomials() -> Floats:
-    """Shape functions of all facets as the kernels take them (see :mod:`..kernels.facets`)."""
+    """Shape functions of the facets that may be in contact, as the kernels take them (see :mod:`..kernels.facets`)."""
     T = np.zeros((10, 10, 11))
-    for name in elements.FACETS:
+    for name in INVERTED:
         e = elements.get(name)
         k = len(e.exponents)
         T[e.nodes, :k, :2] = e.exponents

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from xml.sax.saxutils import quoteattr
 
 import pytest
 
@@ -12,9 +13,47 @@ from febkit.feb import check_features, features, modules
 from febkit.feb.difference import diff
 from febkit.feb.read import read_bytes
 from febkit.feb.writer import to_bytes
-from febkit.model.reasons import reason
 from helpers.forked import febkit
 
+SOLID = census.USUAL["solid"]
+FIELDS = {"points": census.POINTS, "module": "multiphasic", "more": "", "kind": "Solid", "element": "hex8",
+          "nodes": census.SOLID[1], "domain": "", "control": "", "sections": "", "analysis": "transient"}  # fmt: skip
+
+
+def _solid(type_, inside):
+    return f'<material id="1" name="m" type="{type_}">{inside}</material>'
+
+
+def _solute(inside):
+    return census.MULTIPHASIC.replace("<diffusivity", f"{inside}<diffusivity", 1)
+
+
+# where a type of a kind stands: in a material or the output
+PLACES = {
+    "permeability": census.USUAL["biphasic"].replace('perm-const-iso"><perm>1</perm>', '{}">'),
+    "solvent supply": census.USUAL["biphasic"].replace("</material>", '<solvent_supply type="{}"/></material>'),
+    "diffusivity": census.MULTIPHASIC.replace('diff-const-iso"><free_diff>1</free_diff><diff>1</diff>', '{}">'),
+    "solubility": census.MULTIPHASIC.replace('solub-const"><solub>1</solub>', '{}">'),
+    "osmotic coefficient": census.MULTIPHASIC.replace('osm-coef-const"><osmcoef>1</osmcoef>', '{}">'),
+    "solute supply": _solute('<supply type="{}"/>'),
+    "reaction": census.MULTIPHASIC.replace("</material>", '<reaction type="{}"/></material>'),
+    "reaction rate": census.MULTIPHASIC.replace("</material>", '<reaction type="mass-action-forward"><forward_rate '
+                                                'type="{}"/></reaction></material>'),
+    "active contraction": _solid("trans iso Mooney-Rivlin", '<active_contraction type="{}"/>'),
+    "bond relaxation": _solid("reactive viscoelastic", '<relaxation type="{}"/>'),
+    "bond recruitment": _solid("reactive viscoelastic", '<recruitment type="{}"/>'),
+    "damage distribution": _solid("elastic damage", '<damage type="{}"/>'),
+    "damage criterion": _solid("elastic damage", '<criterion type="{}"/>'),
+    "fiber distribution": _solid("continuous fiber distribution", '<distribution type="{}"/>'),
+    "fiber material": _solid("continuous fiber distribution", '<fibers type="{}"/>'),
+    "integration scheme": _solid("continuous fiber distribution", '<scheme type="{}"/>'),
+    "growth tensor": _solid("kinematic growth", '<growth type="{}"/>'),
+    "plastic flow curve": _solid("reactive plasticity", '<flow_curve type="{}"/>'),
+    "prestrain gradient": _solid("prestrain elastic", '<prestrain type="{}"/>'),
+    "solid supply": _solid("remodeling solid", '<supply type="{}"/>'),
+    "axes": _solid("orthotropic elastic", '<mat_axis type="{}"/>'),
+    "direction": _solid("fiber-NH", '<mu>1</mu><fiber type="{}"/>'),
+}  # fmt: skip
 MADE = [k for k in census.everything() if k not in census.TABLES]
 
 
@@ -39,33 +78,55 @@ def test_an_invented_type_is_refused(kind):
 @pytest.mark.parametrize(("kind", "name", "solved"), [
     ("material", "neo-Hookean", True), ("material", "multiphasic", True), ("load", "pressure", True),
     ("load", "surface attraction", False), ("contact", "sliding-elastic", True), ("contact", "mortar-tied", False),
-    ("element", "hex20", True), ("element", "tri10", True), ("element", "line3", True), ("permeability", "perm-Holmes-Mow", True),
-    ("solver", "solid", True), ("solver tag", "cgmethod", False), ("mesh adaptor", "mmg_remesh", False),
+    ("element", "hex20", True), ("element", "tri10", True), ("element", "line3", True),
+    ("permeability", "perm-Holmes-Mow", True), ("solver", "solid", True), ("solver tag", "cgmethod", False),
+    ("mesh adaptor", "mmg_remesh", False),
 ])  # fmt: skip
 def test_what_is_solved(kind, name, solved):
     assert name in census.everything()[kind]
     assert census.solves(kind, name) is solved
 
 
-@pytest.mark.parametrize("kind", MADE)
-def test_every_type_is_known_and_goes_through_version_3(kind):
-    """Read, checked, written in another version and read again: the same model, or what is lost is said."""
+@pytest.mark.parametrize("kind", [*MADE, *PLACES])
+def test_every_type_is_known_and_goes_through_other_versions(kind):
+    """Read, checked, written in each version and read again: the same model, or what is lost is said.
+
+    (Optimisation methods stand in no model but in FEBio's file of a fit: tests/fitting.)
+    """
     for name in census.everything()[kind]:
-        for text in census._models(kind, name):
+        texts = list(_texts(kind, name))
+        for text in texts:
             model = read_bytes(text.encode())
-            data, lost = to_bytes(model, "3.0")
-            assert lost or not diff(model, read_bytes(data)), (name, text)
-        assert any(not _unknown(text) for text in census._models(kind, name)), name
+            for version in ("4.0", "3.0"):
+                data, lost = to_bytes(model, version)
+                assert lost or not diff(model, read_bytes(data)), (name, version, text)
+        assert any(not _unknown(text) for text in texts), name
 
 
-def test_what_is_not_solved_has_a_reason_and_little_is_not():
-    """No plot variable or log item is missing; of the others at least nine in ten are there."""
-    entries = list(census.census())
-    assert not [e for e in entries if not e.solved and not reason(e.name)]
-    read = [e for e in entries if e.kind in ("plot variable", "log item")]
-    assert all(e.solved for e in read)
-    others = [e.solved for e in entries if e not in read]
-    assert sum(others) >= 0.9 * len(others)
+def _texts(kind, name):
+    """Small models that have a type of a kind."""
+    if kind in PLACES:
+        yield census.MODEL.format(**FIELDS | {"material": PLACES[kind].format(name)})
+    else:
+        yield from census._models(kind, name)
+
+
+def test_every_output_is_known_and_goes_through_other_versions():
+    """All plot variables, log items and data records in one model."""
+    kinds = census.everything()
+    plots, logs, records = (kinds[k] for k in ("plot variable", "log item", "data record"))
+    asked = [f'<plotfile type="febio">{"".join(f"<var type={quoteattr(n)}/>" for n in plots)}</plotfile><logfile>']
+    asked += [f"<element_data data={quoteattr(n)}/>" for n in logs] + [f'<{n} data="x"/>' for n in records]
+    text = census.MODEL.format(**FIELDS | {"material": SOLID})
+    text = text.replace('<Edge name="e"><line2 id="1">1,2</line2></Edge>', "")
+    text = text.replace("</febio_spec>", f"<Output>{''.join(asked)}</logfile></Output></febio_spec>")
+    model = read_bytes(text.encode())
+    assert not list(check_features.check(model))
+    for version in ("4.0", "3.0", "2.5"):
+        data, lost = to_bytes(model, version)
+        out = read_bytes(data).output
+        assert not lost and [v.type for v in out.plot] == list(plots)
+        assert [e.data for e in out.log] == [*logs, *["x"] * len(records)]
 
 
 def _unknown(text: str) -> list[str]:
