@@ -162,8 +162,8 @@ def _models(kind: str, name: str) -> Iterator[str]:
         e = elements.ELEMENTS[name]
         which = {3: "Solid", 2: "Shell", 1: "Beam"}[e.dim]
         if e.dim == 1:
-            beam = "linear-beam" if e.nodes > 2 else "linear truss"
-            fields["material"] = f'<material id="1" name="m" type="{beam}"/>'
+            line = "linear-beam" if e.nodes > 2 else "linear truss"
+            fields["material"] = f'<material id="1" name="m" type="{line}"/>'
             fields["domain"] = ' type="linear-beam"' if e.nodes > 2 else ""
         nodes = ",".join(map(str, range(1, e.nodes + 1)))
         yield MODEL.format(**fields | {"kind": which, "element": name, "nodes": nodes})
