@@ -1,4 +1,4 @@
-"""Parametrised models of the tissue-to-cell study, and the hexahedral meshes they are made of.
+"""Parametrised models: those of the tissue-to-cell study, whole cartilage, and the hexahedral meshes they are made of.
 
 ``new("tissue", case="B", n=11)`` gives the model in memory; ``febkit new`` writes it.
 """
@@ -16,7 +16,7 @@ __all__ = ["new"]
 
 
 def new(name: str, template: str | PathLike[str] | None = None, **values: Any) -> Model:
-    """A template's model: ``name`` is tissue, cell or embedded, ``values`` its parameters.
+    """A template's model: ``name`` is tissue, cell, embedded or cartilage, ``values`` its parameters.
 
     ``template`` is a folder of one's own with a template.toml; ``size="small"`` picks a named size.
     """

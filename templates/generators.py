@@ -64,6 +64,12 @@ def _embedded(p: dict[str, Any]) -> Generated:
     return _finished(whole.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
+def _cartilage(p: dict[str, Any]) -> Generated:
+    from .cartilage_layer import cartilage
+
+    return cartilage(p)
+
+
 def _from_file(p: dict[str, Any]) -> Generated:
     from .user_mesh import user_mesh
 
@@ -75,5 +81,5 @@ def _from_file(p: dict[str, Any]) -> Generated:
 
 
 GENERATORS: dict[str, Callable[[dict[str, Any]], Generated]] = {
-    "tissue": _tissue, "cell": _cell, "embedded": _embedded, "file": _from_file,
+    "tissue": _tissue, "cell": _cell, "embedded": _embedded, "cartilage": _cartilage, "file": _from_file,
 }

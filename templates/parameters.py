@@ -11,10 +11,13 @@ from typing import Any
 
 from febkit.model import InputError, Where
 
+from .profile import Profile, anchored, profile
+
 _FIELDS = {"default", "doc", "unit", "min", "max", "above", "below", "choices", "kind", "length", "rising"}
 _KINDS: dict[str, tuple[type, ...]] = {
     "integer": (int,), "number": (int, float), "text": (str,), "switch": (bool,), "list": (list,),
     "numbers": (int, float, list), "table": (dict,), "text or numbers": (str, list),
+    "field": (int, float, list, str, dict, Profile),
 }
 _Limit = tuple[str, str, Callable[[float, float], bool]]
 _LIMITS: tuple[_Limit, ...] = (
@@ -27,9 +30,9 @@ _LIMITS: tuple[_Limit, ...] = (
 class Parameter:
     """One parameter as ``[parameters.name]`` of a template file says it.
 
-    ``kind``: integer, number, text, switch, list, numbers (one, or lists of them), table; told from
-    the default where it is not given. Bounds ``min max above below`` hold for every number in a value;
-    ``length`` and ``rising`` are asked of a list.
+    ``kind``: integer, number, text, switch, list, numbers (one, or lists of them), table, field (a profile over
+    depth: :mod:`.profile`); told from the default where it is not given. Bounds ``min max above below`` hold for every
+    number in a value; ``length`` and ``rising`` are asked of a list.
     """
 
     name: str
@@ -47,6 +50,8 @@ class Parameter:
         if self.choices and value not in self.choices:
             names = ", ".join(map(str, self.choices))
             raise InputError(f"{self.name} must be one of {names}, not {value}", where)
+        if self.kind == "field":
+            return self._field(value, where)
         allowed = _KINDS[self.kind]
         if (isinstance(value, bool) and self.kind != "switch") or not isinstance(value, allowed):
             if self.kind == "integer" and isinstance(value, float) and value.is_integer():
@@ -56,13 +61,26 @@ class Parameter:
                 raise InputError(f"{self.name} must be of kind {self.kind}{unit}, not {value!r}: {self.doc}",
                                  where)
         for number in _numbers(value):
-            for key, words, holds in _LIMITS:
-                bound = self.limits.get(key)
-                if bound is not None and not holds(number, bound):
-                    raise InputError(f"{self.name} must be {words} {bound:g} {self.unit}".rstrip()
-                                     + f", not {number:g}", where)
+            self._within(number, where)
         self._check_list(value, where)
         return value
+
+    def _within(self, number: float, where: Where | None, at: str = "") -> None:
+        for key, words, holds in _LIMITS:
+            bound = self.limits.get(key)
+            if bound is not None and not holds(number, bound):
+                raise InputError(f"{self.name} must be {words} {bound:g} {self.unit}".rstrip()
+                                 + f", not {number:g}{at}", where)
+
+    def _field(self, value: Any, where: Where | None) -> Profile:
+        """The profile, every value of it within bounds."""
+        p = profile(self.name, anchored(value, where or Where()), where)
+        for depth, number in p.samples():
+            between = p.rule in ("cubic", "monotone") and depth not in p.depths
+            at = f" (between rows, at depth {depth:.3g}: take rule = \"monotone\" or more rows)" if between else \
+                f" (at depth {depth:g})" if p.depths else ""
+            self._within(number, Where(p.file) if p.file else where, at)
+        return p
 
     def _check_list(self, value: Any, where: Where | None) -> None:
         if self.length and len(value) != self.length:
@@ -92,10 +110,15 @@ def declared(name: str, table: Mapping[str, Any], where: Where) -> Parameter:
         raise InputError(f"[parameters.{name}] has the unknown kind '{kind}'; known: {', '.join(_KINDS)}",
                          where)
     limits = {k: float(table[k]) for k, _, _ in _LIMITS if k in table}
+    if kind == "field":
+        default = anchored(default, where)
     p = Parameter(name, default, " ".join(str(table["doc"]).split()), str(table.get("unit", "")), kind,
                   tuple(table.get("choices", ())), limits, int(table.get("length", 0)),
                   bool(table.get("rising", False)))
-    p.checked(default, where)
+    if kind == "field":
+        p._field(default, None)
+    else:
+        p.checked(default, where)
     return p
 
 
@@ -137,7 +160,7 @@ def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str,
         value = next((v[name] for v, _ in reversed(sources) if name in v), parameters[name].default)
         if value in cases:
             sources.insert(0, (cases[value], Where()))
-    values = {name: p.default for name, p in parameters.items()}
+    values = {name: profile(name, p.default) if p.kind == "field" else p.default for name, p in parameters.items()}
     for table, where in sources:
         for name, value in table.items():
             if name == "size":

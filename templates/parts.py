@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from febkit.model import Mesh
+from febkit.model import Mesh, MeshData
 from febkit.model.mesh import Floats, Ints
 
 
@@ -29,12 +29,13 @@ class Generated:
     """What a mesh generator hands back: the mesh, and what the template may ask about it.
 
     ``facts`` are names a template's expressions can use (``cells``: the numbers of the cells,
-    ``parts``: the parts' names); ``report`` are lines about counts, quality and volumes.
+    ``parts``: the parts' names); ``report`` are lines about counts, quality and volumes; ``data`` are maps of elements.
     """
 
     mesh: Mesh
     facts: Mapping[str, Any] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
+    data: tuple[MeshData, ...] = ()
 
 
 def numbered(prefix: str, n: int) -> list[str]:

@@ -3,7 +3,8 @@
     <bc if="case in ('A', 'B')" type="prescribed displacement" node_set="top"> ... ${-depth} ... </bc>
     <SolidDomain for="name, role in parts" name="${name}" mat="${role}"/>
 
-``${expression}`` stands for a value, ``if`` drops an element, ``for`` repeats it.
+``${expression}`` stands for a value, ``if`` drops an element, ``for`` repeats it. An attribute whose value comes out
+empty is left out.
 """
 
 from __future__ import annotations
@@ -55,8 +56,10 @@ def expand(path: Path, names: Mapping[str, Any]) -> bytes:
 
 def _expand_children(parent: Any, names: dict[str, Any], file: str) -> None:
     where = Where(file, parent.sourceline or 0)
-    for key in list(parent.attrib):
-        parent.attrib[key] = fill(parent.attrib[key], names, where)
+    for key, text in list(parent.attrib.items()):
+        parent.attrib[key] = fill(text, names, where)
+        if not parent.attrib[key] and text:
+            del parent.attrib[key]
     if parent.text:
         parent.text = fill(parent.text, names, where)
     for child in list(parent):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from .parts import Generated
 from .skeleton import instantiate
 
 HERE = Path(__file__).resolve().parent
-BUILT_IN = ("tissue", "cell", "embedded")
+BUILT_IN = ("tissue", "cell", "embedded", "cartilage")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,8 @@ class Template:
         known = dict(values) | dict(made.facts)
         for name, text in self.names.items():
             known[name] = evaluate(text, known, Where(f"[names] of the template {self.name}"))
-        return instantiate(self.model, known, made.mesh), made
+        model = instantiate(self.model, known, made.mesh)
+        return replace(model, mesh_data=(*model.mesh_data, *made.data)), made
 
 
 def load(name: str, folder: Path | None = None) -> Template:

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 
 @click.command("new", context_settings={"max_content_width": 110})
-@click.argument("name", metavar="tissue|cell|embedded")
+@click.argument("name", metavar="tissue|cell|embedded|cartilage")
 @click.option("--case", type=click.Choice(["A", "B", "C", "D"]), help="Loading of the study: "
               "top moves evenly (A, B) or unevenly (C, D); draining at top and bottom (A, C) or top (B, D).")
-@click.option("--physics", type=click.Choice(["biphasic", "triphasic"]), help="Solid and water, or with fixed charges "
-              "and ions as well.")
+@click.option("--physics", type=click.Choice(["biphasic", "triphasic", "multiphasic"]), help="Solid and water, or with "
+              "fixed charges and ions as well (triphasic; of cartilage multiphasic).")
 @click.option("--set", "pairs", multiple=True, metavar="NAME=VALUE",
               help="Value of a parameter; may be repeated. size=small is a reduced mesh.")
 @click.option("--params", type=INPUT, help="TOML file of parameters.")
@@ -33,15 +33,18 @@ if TYPE_CHECKING:
 @click.option("--parameters", is_flag=True, help="List the parameters with units and defaults, and stop.")
 def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, ...], params: Path | None,
             template: Path | None, output: Path | None, force: bool, parameters: bool) -> None:
-    """Write a complete model: the tissue cube, the cell cube, or the cells embedded in the tissue.
+    """Write a complete model: the study's tissue cube, its cell cube, the cells embedded in the tissue, or whole
+    cartilage.
 
     \b
     febkit new tissue --case B -o tissue.feb
     febkit new cell --case B --set seed=7 --set diameter=0.012 -o cell.feb
     febkit new embedded --case D --set size=small -o control.feb
     febkit new tissue --case B --physics triphasic
+    febkit new cartilage --set shape=disc --set E=profile.csv
     febkit new cell --parameters
     """
+    from febkit.templates.profile import Profile
     from febkit.templates.template import load
 
     template_ = load(name, template)
@@ -51,7 +54,8 @@ def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, 
     values = template_.values(_given(template_, {"case": case, "physics": physics}, pairs, params))
     target = output or Path(f"{name}_{values['case']}.feb" if "case" in values else f"{name}.feb")
     own = (template / "template.toml", template / "model.feb") if template else ()
-    check([target], [params, *own, str(values.get("mesh_file") or "") or None], force)
+    tables = [v.file for v in values.values() if isinstance(v, Profile) and v.file]
+    check([target], [params, *own, *tables, str(values.get("mesh_file") or "") or None], force)
     model, made = template_.build(values)
     from febkit.feb import write
 

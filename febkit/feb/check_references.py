@@ -172,9 +172,10 @@ def below(known: Names, c: Component) -> Iterator[Finding]:
         lc = None
     if lc is not None and lc not in known.curves:
         yield Finding("error", f'<{c.tag} lc="{lc}">: there is no load controller {lc}', c.where)
-    if c.type == "map" and c.text and c.text not in known.maps:
-        message = f'<{c.tag} type="map">: there is no map "{c.text}" in <MeshData>{near(c.text, known.maps)}'
-        yield Finding("error", message, c.where)
+    for name in (x.strip() for x in c.text.split(",")) if c.type == "map" and c.text else ():
+        if name not in known.maps:
+            message = f'<{c.tag} type="map">: there is no map "{name}" in <MeshData>{near(name, known.maps)}'
+            yield Finding("error", message, c.where)
     if c.tag in BODIES and not c.children and c.text and "," not in c.text and c.text not in known.bodies:
         message = f'<{c.tag}>: there is no rigid body material "{c.text}"{near(c.text, known.bodies)}'
         yield Finding("error", message, c.where)

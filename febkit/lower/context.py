@@ -191,9 +191,15 @@ class Context:
         return Constant(leaf.as_float()) if values.spells_number(leaf.text) else self.formula(leaf.text, leaf, maps)
 
     def components(self, leaf: Component, n: int, maps: str = "") -> tuple[Value, ...]:
-        """A parameter of ``n`` numbers: given in the file, or by the ``n`` columns of an element map."""
+        """A parameter of ``n`` numbers: given in the file, by formulas or maps of elements separated by commas, or by
+        the ``n`` columns of one map."""
+        names = [x.strip() for x in (leaf.child("map") or leaf).text.split(",")]
+        if leaf.type == "map" and maps and len(names) == n > 1:
+            return tuple(self._scaled(self._map(name, leaf, maps), leaf) for name in names)
         if leaf.type == "map" and maps:
             return tuple(Map(column) for column in np.ascontiguousarray(self.element_rows(leaf, maps, n).T))
+        if leaf.type == "math" and maps:
+            return self.formulas(leaf, n, maps)
         if leaf.type not in (None, "const", "vector"):
             self.refuse(f'<{leaf.tag} type="{leaf.type}">', leaf.where)
             return (Constant(0.0),) * n
@@ -204,13 +210,13 @@ class Context:
         x, y, z = self.formulas(leaf) if leaf.type == "math" else self.components(leaf, 3)
         return x, y, z
 
-    def formulas(self, leaf: Component) -> tuple[Value, Value, Value]:
-        """Three formulas separated by commas, times a load controller."""
+    def formulas(self, leaf: Component, n: int = 3, maps: str = "") -> tuple[Value, ...]:
+        """``n`` formulas separated by commas, times a load controller."""
         parts = leaf.text.split(",")
-        if len(parts) != 3:
-            raise InputError(f"<{leaf.tag}> must be three formulas separated by commas", leaf.where)
-        x, y, z = (self._scaled(self.formula(p, leaf), leaf) for p in parts)
-        return x, y, z
+        if len(parts) != n:
+            number = {2: "two", 3: "three"}.get(n, str(n))
+            raise InputError(f"<{leaf.tag}> must be {number} formulas separated by commas", leaf.where)
+        return tuple(self._scaled(self.formula(p, leaf, maps), leaf) for p in parts)
 
     def formula(self, text: str, leaf: Component, maps: str = "") -> Value:
         """A formula of X, Y, Z, t, global variables, parameters beside it or elsewhere in the model, and maps."""

@@ -52,6 +52,23 @@ def test_mesh_file_is_beside_the_parameters(tmp_path: Path) -> None:
     assert read(tmp_path / "m.feb").mesh.blocks[0].type == "tet4"
 
 
+def test_profiles_of_cartilage_come_from_csv_files(tmp_path: Path) -> None:
+    """Relative to the file that names them; never written over."""
+    (tmp_path / "E.csv").write_text("depth,E\n0,0.2\n1,0.8\n")
+    (tmp_path / "p.toml").write_text('size = "small"\nE = "E.csv"\nzones = {all = 1.0}\nfibres = "none"\n')
+    out = tmp_path / "m.feb"
+    k0 = "k0=[[0, 1e-3], [1, 2e-3]]"
+    result = run("cartilage", "--params", str(tmp_path / "p.toml"), "--set", k0, "-o", str(out))
+    assert result.exit_code == 0, result.output
+    assert "all: 10 elements, depth 0.05 to 0.95" in result.output
+    maps = {d.name: d.values for d in read(out).mesh_data}
+    assert np.allclose(maps["E_all"], 0.23 + 0.06 * np.arange(10)[:, None])
+    assert np.allclose(maps["k0_all"], 1.05e-3 + 1e-4 * np.arange(10)[:, None])
+    (tmp_path / "E.feb").write_text("0 1\n1 2\n")  # whatever its name
+    result = run("cartilage", "--set", f"E={tmp_path / 'E.feb'}", "-o", str(tmp_path / "E.feb"), "--force")
+    assert isinstance(result.exception, InputError) and (tmp_path / "E.feb").read_text() == "0 1\n1 2\n"
+
+
 def test_lists_its_parameters() -> None:
     result = run("cell", "--parameters")
     assert result.exit_code == 0
@@ -61,7 +78,8 @@ def test_lists_its_parameters() -> None:
 
 @pytest.mark.parametrize(("args", "words"), [
     (("tissue", "--set", "n"), "name=value"), (("tissue", "--set", "m=3"), "no parameter"),
-    (("bone",), "no template"),
+    (("bone",), "no template"), (("cartilage", "--set", "E=none.csv"), "cannot read none.csv"),
+    (("cartilage", "--set", "E=[[0, 1], [0, 2]]"), "must rise"),
 ])
 def test_mistakes_are_named(args: tuple[str, ...], words: str) -> None:
     result = run(*args)

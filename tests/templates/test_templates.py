@@ -17,6 +17,8 @@ from febkit.templates.parameters import from_text
 from febkit.templates.skeleton import expand
 from febkit.templates.template import BUILT_IN, load
 
+STUDY = ("tissue", "cell", "embedded")
+
 TIMES = [0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 20, 25, 30, 35, 40, 45, 50,
          60, 70, 80, 90, 100]
 SHARED = Path(__file__).parents[2].parent / "shared"
@@ -48,7 +50,7 @@ def test_boundary_conditions_of_each_case(name: str, case: str) -> None:
     assert np.allclose(u, -0.05 * np.sqrt(x[:, 0] + 0.5) - 0.05 * np.sqrt(x[:, 1] + 0.5))
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", STUDY)
 def test_sampling_times_are_must_points(name: str) -> None:
     model = small(name)
     ramp, must = model.controllers
@@ -74,7 +76,7 @@ def test_materials_of_the_study() -> None:
     assert model.units == "mm-N-s"
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", STUDY)
 def test_model_survives_writing_and_reading(name: str, tmp_path: Path) -> None:
     model = small(name, case="D")
     write(model, tmp_path / "m.feb")
@@ -168,7 +170,8 @@ def test_every_parameter_is_documented_and_its_default_allowed(name: str) -> Non
     for p in template.parameters.values():
         assert len(p.doc) > 10
         p.checked(p.default)
-    lengths = {"edge", "depth", "centre", "diameter", "thickness", "tissue_edge"} & set(template.parameters)
+    known = {"edge", "depth", "centre", "diameter", "thickness", "tissue_edge", "radius", "width"}
+    lengths = known & set(template.parameters)
     assert all(template.parameters[n].unit == "mm" for n in lengths)
     for table in template.sizes.values():
         assert set(table) <= set(template.parameters)
