@@ -16,7 +16,7 @@ __all__ = ["new"]
 
 
 def new(name: str, template: str | PathLike[str] | None = None, **values: Any) -> Model:
-    """A template's model: ``name`` is tissue, cell, embedded or cartilage, ``values`` its parameters.
+    """A template's model: ``name`` is tissue, cell, embedded, cartilage or chondron, ``values`` its parameters.
 
     ``template`` is a folder of one's own with a template.toml; ``size="small"`` picks a named size.
     """

@@ -93,21 +93,20 @@ def _assemble(cells: list[Chondron], places: Places, edge: float, n: int, layers
     return CellCube(Parts(np.concatenate(X), parts), cells, places, ids, edge)
 
 
-def volume_report(mesh: Parts, cells: list[Chondron], whole: float) -> dict[str, float]:
-    """Volume fractions of cells and PCM in a volume, by the mesh and exactly; the PCM's thickness."""
-    got: dict[str, float] = {"cell": 0.0, "pcm": 0.0}
+def volume_report(mesh: Parts, cells: list[Chondron], exactly: float) -> dict[str, float]:
+    """Volume fractions of cells and PCM, by the mesh and of the exact volume ``exactly``; the PCM's thickness."""
+    got: dict[str, float] = {"cell": 0.0, "pcm": 0.0, "ecm": 0.0, "tissue": 0.0}
     for name, (kind, conn) in mesh.parts.items():
-        role = name.partition("_")[0]
-        if role in got:
-            got[role] += float(volumes(mesh.X, kind, conn).sum())
+        got[name.partition("_")[0]] += float(volumes(mesh.X, kind, conn).sum())
+    whole = got["cell"] + got["pcm"] + got["ecm"]
     exact: Floats = np.array([c.volumes for c in cells]).sum(axis=0)
     thickness = [c.thickness for c in cells]
     return {
         "cell volume fraction": got["cell"] / whole,
-        "exact cell volume fraction": float(exact[0]) / whole,
+        "exact cell volume fraction": float(exact[0]) / exactly,
         "PCM volume fraction": got["pcm"] / whole,
-        "exact PCM volume fraction": float(exact[1]) / whole,
-        "ECM volume fraction": 1.0 - (got["cell"] + got["pcm"]) / whole,
+        "exact PCM volume fraction": float(exact[1]) / exactly,
+        "ECM volume fraction": got["ecm"] / whole,
         "thinnest PCM": min(t for t, _ in thickness),
         "thickest PCM": max(t for _, t in thickness),
     }

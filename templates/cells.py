@@ -53,7 +53,7 @@ def make_chondrons(p: Mapping[str, Any], count: int, rng: np.random.Generator) -
             raise InputError(f"{name} must lie between 1 and {MOST_SQUARE} (2: an ellipsoid), not {n.ravel().tolist()}")
     along = isinstance(p["shift"], int | float)
     moved = per_cell("shift", [[0.0, 0.0, p["shift"]]] if along else p["shift"], count)
-    rotation = _rotations(count, p["orientation"], rng)
+    rotation = rotations(count, p["orientation"], rng)
     made = []
     for c in range(count):
         R = rotation[c]
@@ -94,7 +94,7 @@ def per_cell(name: str, value: Any, count: int) -> Floats:
                      f"triple in double brackets for all, not {value}")
 
 
-def _rotations(count: int, orientation: Any, rng: np.random.Generator) -> Floats:
+def rotations(count: int, orientation: Any, rng: np.random.Generator) -> Floats:
     """Rotation matrices: "aligned" with the axes, "random", or given as rotation vectors (radians)."""
     if isinstance(orientation, str):
         if orientation == "aligned":

@@ -12,6 +12,8 @@ from typing import Any
 
 from febkit.model import InputError, Where
 
+from .materials import mixture
+
 _PLACE = re.compile(r"\$\{([^{}]*)\}")
 MOST = 1_000_000  # entries of a list, and letters of a text
 BITS = 10_000  # of a whole number
@@ -65,7 +67,7 @@ def must_points(times: list[float], longest: float, early: float = math.inf,
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": math.sqrt, "exp": math.exp, "log": math.log, "abs": abs, "min": min, "max": max, "round": round,
-    "len": len, "range": _range, "must_points": must_points,
+    "len": len, "range": _range, "must_points": must_points, "mixture": mixture,
 }
 
 

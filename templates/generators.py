@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from febkit.model import InputError
 
 from .parts import Generated, Parts
 from .quality import jacobians, judge
-from .sets import named_mesh
+from .sets import membranes, named_mesh
 
-ROLES = {"tissue": "ecm", "ecm": "ecm", "pcm": "pcm", "cell": "chondrocyte"}
+ROLES = {"tissue": "ecm", "ecm": "ecm", "pcm": "pcm", "cell": "chondrocyte", "membrane": "membrane"}
 
 
 def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
@@ -30,6 +31,7 @@ def _finished(made: Parts, more: Mapping[str, Any]) -> Generated:
                              "rename it with part_names")
         parts.append([name, role])
     facts: dict[str, Any] = {"parts": parts, "roles": sorted({r for _, r in parts})}
+    facts["shells"] = [[name, ROLES["membrane"]] for name in made.shells]
     facts |= {"low": made.X.min(axis=0).tolist(), "high": made.X.max(axis=0).tolist()}
     report = {"nodes": len(made.X), "elements": made.elements, "quality": quality} | dict(more)
     return Generated(named_mesh(made), facts, report)
@@ -41,6 +43,15 @@ def _tissue(p: dict[str, Any]) -> Generated:
     return _from_file(p) if p.get("mesh_file") else _finished(tissue_cube(p), {})
 
 
+def _enclosed(made: Parts, p: Mapping[str, Any]) -> Parts:
+    """The mesh with membranes on its cells, where they have a thickness."""
+    if not p.get("membrane_thickness"):
+        return made
+    if p.get("physics", "biphasic") != "biphasic":
+        raise InputError("membranes are biphasic shells: set membrane_thickness = 0, or physics to biphasic")
+    return replace(made, shells=membranes(made))
+
+
 def _cell(p: dict[str, Any]) -> Generated:
     from .cell_cube import cell_cube, volume_report
 
@@ -48,7 +59,7 @@ def _cell(p: dict[str, Any]) -> Generated:
         return _from_file(p)
     cube = cell_cube(p)
     more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres}
-    return _finished(cube.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge**3))
+    return _finished(_enclosed(cube.mesh, p), more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
 def _embedded(p: dict[str, Any]) -> Generated:
@@ -61,7 +72,17 @@ def _embedded(p: dict[str, Any]) -> Generated:
     cube = whole.inner
     more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres,
                             "nodes of the cell cube": len(cube.mesh.X)}
-    return _finished(whole.mesh, more | volume_report(cube.mesh, cube.cells, cube.edge**3))
+    return _finished(_enclosed(whole.mesh, p), more | volume_report(cube.mesh, cube.cells, cube.edge**3))
+
+
+def _chondron(p: dict[str, Any]) -> Generated:
+    from .cell_cube import volume_report
+    from .chondron_block import chondron_block
+
+    if p.get("mesh_file"):
+        return _from_file(p)
+    block = chondron_block(p)
+    return _finished(_enclosed(block.mesh, p), volume_report(block.mesh, [block.chondron], block.whole.volume))
 
 
 def _cartilage(p: dict[str, Any]) -> Generated:
@@ -77,9 +98,10 @@ def _from_file(p: dict[str, Any]) -> Generated:
         raise InputError("set mesh_file to the mesh to read (any format of meshio)")
     made = user_mesh(p["mesh_file"], p.get("part_names", {}), p.get("part_array", ""),
                      float(p.get("scale", 1.0)))
-    return _finished(made, {"read from": p["mesh_file"]})
+    return _finished(_enclosed(made, p), {"read from": p["mesh_file"]})
 
 
 GENERATORS: dict[str, Callable[[dict[str, Any]], Generated]] = {
-    "tissue": _tissue, "cell": _cell, "embedded": _embedded, "cartilage": _cartilage, "file": _from_file,
+    "tissue": _tissue, "cell": _cell, "embedded": _embedded, "cartilage": _cartilage, "chondron": _chondron,
+    "file": _from_file,
 }

@@ -14,14 +14,18 @@ from febkit.model.mesh import Floats, Ints
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parts:
-    """Nodes ``X`` (node, 3) and parts: name -> (element type, connectivity (element, local))."""
+    """Nodes ``X`` (node, 3) and parts: name -> (element type, connectivity (element, local)).
+
+    ``shells`` are parts of facets between them, whose normals point to their front.
+    """
 
     X: Floats
     parts: Mapping[str, tuple[str, Ints]]
+    shells: Mapping[str, tuple[str, Ints]] = field(default_factory=dict)
 
     @property
     def elements(self) -> int:
-        return sum(len(conn) for _, conn in self.parts.values())
+        return sum(len(conn) for _, conn in (*self.parts.values(), *self.shells.values()))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

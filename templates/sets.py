@@ -15,7 +15,7 @@ FACES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bott
 # node sets made of faces; edges belong to both
 FACE_NODES = {"x_faces": ("left", "right"), "y_faces": ("front", "back"), "bottom": ("bottom",),
               "top": ("top",)}
-PART_LISTS = {"cells": "cell_", "pcms": "pcm_"}
+PART_LISTS = {"cells": "cell_", "pcms": "pcm_", "membranes": "membrane_"}
 
 
 def named_mesh(made: Parts) -> Mesh:
@@ -24,7 +24,7 @@ def named_mesh(made: Parts) -> Mesh:
     Surfaces: the six faces (of a body whose outer surface lies in the planes of its bounding box),
     ``outer``; for each cell ``cell_i_surface`` out of the cell, for each PCM ``pcm_i_surface`` into
     the ECM, ``cell_cube`` between ECM and tissue. Node sets: ``x_faces``, ``y_faces``, ``bottom``,
-    ``top``, ``outer``. Part lists: ``cells``, ``pcms``.
+    ``top``, ``outer``. Part lists: ``cells``, ``pcms``, ``membranes``.
     """
     names = list(made.parts)
     facets = between_parts(list(made.parts.values()), len(made.X))
@@ -34,7 +34,7 @@ def named_mesh(made: Parts) -> Mesh:
     node_sets = {name: _nodes([surfaces[f] for f in faces if f in surfaces])
                  for name, faces in FACE_NODES.items()}
     node_sets["outer"] = _nodes([surfaces["outer"]])
-    lists = {k: tuple(n for n in names if n.startswith(prefix)) for k, prefix in PART_LISTS.items()}
+    lists = {k: tuple(n for n in (*names, *made.shells) if n.startswith(prefix)) for k, prefix in PART_LISTS.items()}
     return Mesh(
         node_ids=np.arange(1, len(made.X) + 1), X=made.X, blocks=_blocks(made),
         node_sets={k: NodeSet(k, v) for k, v in node_sets.items() if len(v)},
@@ -46,7 +46,7 @@ def named_mesh(made: Parts) -> Mesh:
 
 def _blocks(made: Parts) -> tuple[ElementBlock, ...]:
     blocks, first = [], 1
-    for name, (kind, conn) in made.parts.items():
+    for name, (kind, conn) in (*made.parts.items(), *made.shells.items()):
         blocks.append(ElementBlock(name, kind, np.arange(first, first + len(conn)), conn))
         first += len(conn)
     return tuple(blocks)
@@ -97,3 +97,16 @@ def _nodes(surfaces: list[dict[str, Ints]]) -> Ints:
     """Sorted nodes of several surfaces."""
     flat = [conn.ravel() for s in surfaces for conn in s.values()]
     return np.unique(np.concatenate(flat)) if flat else np.empty(0, dtype=np.int64)
+
+
+def membranes(made: Parts) -> dict[str, tuple[str, Ints]]:
+    """Shells ``membrane_i`` on the surface of each cell, front outwards."""
+    names = list(made.parts)
+    facets = between_parts(list(made.parts.values()), len(made.X))
+    found = {}
+    for i, name in enumerate(names):
+        role, _, which = name.partition("_")
+        if role == "cell":
+            for kind, conn in select(facets, np.array([i])).items():
+                found[f"membrane_{which}"] = (kind, conn)
+    return found

@@ -3,8 +3,8 @@
     <bc if="case in ('A', 'B')" type="prescribed displacement" node_set="top"> ... ${-depth} ... </bc>
     <SolidDomain for="name, role in parts" name="${name}" mat="${role}"/>
 
-``${expression}`` stands for a value, ``if`` drops an element, ``for`` repeats it. An attribute whose value comes out
-empty is left out.
+``${expression}`` stands for a value, ``if`` drops an element, ``for`` repeats it, ``from`` fills it with a table
+(:mod:`.materials`). An attribute whose value comes out empty is left out.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 from febkit.model import InputError, Mesh, Model, NodeSet, Where
 
 from .expression import evaluate, fill
+from .materials import put
 
 
 def instantiate(path: Path, names: Mapping[str, Any], mesh: Mesh) -> Model:
@@ -76,7 +77,7 @@ def _copies(child: Any, names: dict[str, Any], file: str) -> Iterator[tuple[Any,
     from copy import deepcopy
 
     where = Where(file, child.sourceline or 0)
-    loop, condition = child.attrib.pop("for", None), child.attrib.pop("if", None)
+    loop, condition, table = (child.attrib.pop(k, None) for k in ("for", "if", "from"))
     if loop is None:
         rounds: list[dict[str, Any]] = [{}]
     else:
@@ -90,4 +91,6 @@ def _copies(child: Any, names: dict[str, Any], file: str) -> Iterator[tuple[Any,
         local = names | more
         if condition is None or evaluate(condition, local, where):
             copy = deepcopy(child)
+            if table is not None:
+                put(copy, evaluate(table, local, where))
             yield copy, local

@@ -12,12 +12,13 @@ from febkit.model import InputError, Model, Where
 
 from .expression import evaluate
 from .generators import GENERATORS
+from .materials import check
 from .parameters import Parameter, chosen, declared
 from .parts import Generated
 from .skeleton import instantiate
 
 HERE = Path(__file__).resolve().parent
-BUILT_IN = ("tissue", "cell", "embedded", "cartilage")
+BUILT_IN = ("tissue", "cell", "embedded", "cartilage", "chondron")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,7 @@ class Template:
         for name, text in self.names.items():
             known[name] = evaluate(text, known, Where(f"[names] of the template {self.name}"))
         model = instantiate(self.model, known, made.mesh)
+        check(model)
         return replace(model, mesh_data=(*model.mesh_data, *made.data)), made
 
 

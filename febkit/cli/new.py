@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command("new", context_settings={"max_content_width": 110})
-@click.argument("name", metavar="tissue|cell|embedded|cartilage")
+@click.argument("name", metavar="tissue|cell|embedded|cartilage|chondron")
 @click.option("--case", type=click.Choice(["A", "B", "C", "D"]), help="Loading of the study: "
               "top moves evenly (A, B) or unevenly (C, D); draining at top and bottom (A, C) or top (B, D).")
 @click.option("--physics", type=click.Choice(["biphasic", "triphasic", "multiphasic"]), help="Solid and water, or with "
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 @click.option("--parameters", is_flag=True, help="List the parameters with units and defaults, and stop.")
 def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, ...], params: Path | None,
             template: Path | None, output: Path | None, force: bool, parameters: bool) -> None:
-    """Write a complete model: the study's tissue cube, its cell cube, the cells embedded in the tissue, or whole
-    cartilage.
+    """Write a complete model: the study's tissue cube, its cell cube, the cells embedded in the tissue, whole
+    cartilage, or one chondron.
 
     \b
     febkit new tissue --case B -o tissue.feb
@@ -42,6 +42,7 @@ def command(name: str, case: str | None, physics: str | None, pairs: tuple[str, 
     febkit new embedded --case D --set size=small -o control.feb
     febkit new tissue --case B --physics triphasic
     febkit new cartilage --set shape=disc --set E=profile.csv
+    febkit new chondron --set shift=0.0002 --params materials.toml
     febkit new cell --parameters
     """
     from febkit.templates.profile import Profile
@@ -75,9 +76,9 @@ def _given(template: Template, choices: dict[str, str | None], pairs: tuple[str,
     given: list[tuple[dict[str, Any], Where]] = []
     if params is not None:
         table, where = parameters_file(params)
-        mesh = table.get("mesh_file")
-        if isinstance(mesh, str) and mesh and not Path(mesh).is_absolute():
-            table["mesh_file"] = str(params.parent / mesh)
+        for owner, key in [(table, "mesh_file"), *((t, "file") for t in table.values() if isinstance(t, dict))]:
+            if isinstance(owner.get(key), str) and owner[key] and not Path(owner[key]).is_absolute():
+                owner[key] = str(params.parent / owner[key])
         given.append((table, where))
     here = Where("--set")
     given += [({k: v}, Where(f"--{k}")) for k, v in choices.items() if v is not None]

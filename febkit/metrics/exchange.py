@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import flux, shape
+from . import behind, flux, shape
 from . import groups as grouping
 from .kinematics import Group
 from .selection import Selection
@@ -139,8 +139,11 @@ class Consistent:
 
 
 def touching(ds: xr.Dataset, pick: Selection, on: flux.CellSurface) -> tuple[Ints, Ints]:
-    """Rows of the elements with a node on a cell's surface, and the cell. One between two cells comes for each."""
-    conn = np.asarray(ds["connectivity"].values)
+    """Rows of the solids with a node on a cell's surface, and the cell. One between two cells comes for each.
+
+    Membranes are left out: what leaves them at their front is what leaves the cell, their own volume apart.
+    """
+    conn = np.where(behind.solid_elements(ds)[:, None], np.asarray(ds["connectivity"].values), -1)
     order = np.argsort(on.node, kind="stable")
     nodes, cell = on.node[order], on.cell[order]
     start, stop = (np.searchsorted(nodes, conn, side=s) for s in ("left", "right"))

@@ -112,8 +112,8 @@ def gradient(group: Group, state: State, nodal: Floats) -> Floats:
 
 
 def darcy(group: Group, state: State, p: Floats, k: Permeability, t: float) -> Floats:
-    """(3, g, e) fluid flux -K grad p at the points, grad in the deformed configuration, p (N,) nodal."""
-    grad = gradient(group, state, p[group.nodes])
+    """(3, g, e) fluid flux -K grad p at the points, grad in the deformed configuration, p (n, e) at elements' nodes."""
+    grad = gradient(group, state, p)
     K = k(state.F, state.J, t)
     if K.shape[0] == 1:
         return np.asarray(-K[0] * grad)

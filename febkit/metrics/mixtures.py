@@ -93,9 +93,9 @@ class Law:
     def _values(self, s: State, t: int) -> Floats:
         """(n, 4, 1 + m): effective pressure and concentrations, and their gradients where the state has them."""
         g = self.group
-        p = self.sources.nodal(NEEDED[0], t)
-        c = self.sources.nodal(CONCENTRATION, t)[:, self.columns]
-        nodal = np.concatenate([p[:, None], c], axis=1)[g.nodes].transpose(2, 0, 1)  # (1 + m, n, e)
+        p = self.sources.at_nodes(NEEDED[0], g, t)
+        c = self.sources.at_nodes(CONCENTRATION, g, t)[..., self.columns]
+        nodal = np.concatenate([p[..., None], c], axis=2).transpose(2, 0, 1)  # (1 + m, n, e)
         out = np.zeros((4, len(nodal), *s.J.shape))
         out[0] = g.at_points(nodal)
         if s.G is not None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from febkit.model import InputError, UnsupportedError, as_record
 
-from . import materials, mixtures, tensors
+from . import behind, materials, mixtures, tensors
 from .flux import darcy
 from .kinematics import Group, State
 from .solver_laws import SolverLaws
@@ -27,6 +27,11 @@ MIXED = (
     "fluid flux of the mixture at the integration points, from displacement, effective fluid pressure and effective "
     "concentrations"
 )
+# nodal variables, and what they are called at the back of shells
+BACK = {
+    "effective_fluid_pressure": "effective_shell_fluid_pressure",
+    "effective_solute_concentration": "effective_shell_solute_concentration",
+}
 # effective stress (e,), or mean stress (6, e), of a group's elements at a state, time index
 T = TypeVar("T")
 EffectiveStress = Callable[[State, int], Floats]
@@ -80,6 +85,7 @@ class Sources:
     notes: Provenance = field(default_factory=Provenance)
     parts: dict[str, Component] = field(init=False)
     laws: SolverLaws | None = field(init=False)
+    _behind: NDArray[np.bool_] | None = field(init=False)
     _readers: dict[str, Reader] = field(default_factory=dict, init=False)
     _frames: dict[str, tuple[int, Floats]] = field(default_factory=dict, init=False)
 
@@ -87,6 +93,7 @@ class Sources:
         self.model = None if self.model is None else as_record(self.model)
         self.parts = materials.of_parts(self.model) if self.model is not None else {}
         self.laws = SolverLaws(self.model, self.ds) if self.model is not None else None
+        self._behind = behind.back_nodes(self.ds)
 
     def displacement(self, t: int) -> Floats:
         """(N, 3) nodal displacements."""
@@ -99,6 +106,20 @@ class Sources:
         if name not in self._frames or self._frames[name][0] != t:
             self._frames[name] = t, np.asarray(self.ds[name][t].values, dtype=float)
         return self._frames[name][1]
+
+    def at_nodes(self, name: str, group: Group, t: int) -> Floats:
+        """(n, e, ...) nodal values of a group's elements; those behind a shell have what stands at its back."""
+        v: Floats = self.nodal(name, t)[group.nodes]
+        if self._behind is None or BACK.get(name) not in self.ds:
+            return v
+        at_back = self._behind[group.rows, : group.element.nodes].T
+        if at_back.any():
+            v[at_back] = self.nodal(BACK[name], t)[group.nodes[at_back]]
+        return v
+
+    def pressure(self, group: Group, t: int) -> Floats:
+        """(n, e) effective fluid pressure at the nodes of a group's elements."""
+        return self.at_nodes("effective_fluid_pressure", group, t)
 
     def _element(self, name: str, group: Group) -> Callable[[int], Floats]:
         """(e, ...) element values of a group by index of time."""
@@ -214,7 +235,7 @@ class Sources:
             return None
         times = np.asarray(self.ds["time"].values, dtype=float)
         return lambda s, t: law(
-            s.F, s.J, group.at_points(self.nodal("effective_fluid_pressure", t)[group.nodes]), times[t]
+            s.F, s.J, group.at_points(self.pressure(group, t)), times[t]
         )
 
     def element_flux(self, group: Group) -> Callable[[State, int], Floats] | None:
@@ -265,4 +286,4 @@ class Sources:
     def _flux(self, group: Group, law: materials.Permeability) -> Callable[[State, int], Floats]:
         """(3, g, e) Darcy flux at the points."""
         times = np.asarray(self.ds["time"].values, dtype=float)
-        return lambda s, t: darcy(group, s, self.nodal("effective_fluid_pressure", t), law, times[t])
+        return lambda s, t: darcy(group, s, self.pressure(group, t), law, times[t])

@@ -17,7 +17,7 @@ def run(*args: str) -> Result:
     return CliRunner().invoke(command, list(args))
 
 
-@pytest.mark.parametrize("name", ["tissue", "cell", "embedded"])
+@pytest.mark.parametrize("name", ["tissue", "cell", "embedded", "chondron"])
 def test_writes_a_model_and_says_what_it_is(name: str, tmp_path: Path) -> None:
     out = tmp_path / "m.feb"
     result = run(name, "--case", "B", "--set", "size=small", "-o", str(out))

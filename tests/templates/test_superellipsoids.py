@@ -141,6 +141,18 @@ def test_the_verb_reports_thickness_and_quality(tmp_path: Path) -> None:
     assert wrong.returncode == 2 and "PCM of cell 1" in wrong.stderr and not (tmp_path / "no.feb").exists()
 
 
+def test_materials_and_membranes_of_cells_in_a_cube() -> None:
+    ecm = {"type": "Holmes-Mow", "E": "${2*cell_E}", "v": 0.2, "beta": 1.0}
+    model = new("cell", size="small", cells=2, ecm=ecm, membrane_thickness=1e-5)
+    assert [m.name for m in model.materials] == ["ecm", "membrane", "pcm", "chondrocyte"]
+    assert model.materials[0].need("solid").float("E") == 0.002 and model.materials[0].float("phi0") == 0.2
+    assert model.materials[2].need("solid").type == "neo-Hookean"
+    shells = {d.block: d.material for d in model.domains if d.kind == "shell"}
+    assert shells == {"membrane_1": "membrane", "membrane_2": "membrane"}
+    with pytest.raises(InputError, match="biphasic"):
+        new("cell", size="small", membrane_thickness=1e-5, physics="triphasic")
+
+
 def test_homogeneous_shear_is_exact_through_all_parts(tmp_path: Path) -> None:
     """A patch test through the hand-off: of one material, u = (F - 1) X and p = 0 where F keeps volume."""
     stuff = {f"{part}_{q}": v for part in ("ecm", "pcm", "cell") for q, v in (("E", 0.5), ("v", 0.2), ("k", 2e-3))}

@@ -326,7 +326,7 @@ def test_faulty_skeletons_are_refused(tmp_path: Path, xml: str, words: str) -> N
 
 
 def test_unknown_template() -> None:
-    with pytest.raises(InputError, match="tissue, cell, embedded"):
+    with pytest.raises(InputError, match="tissue, cell, embedded, cartilage, chondron"):
         load("bone")
 
 
