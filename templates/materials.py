@@ -75,27 +75,3 @@ def check(model: Model) -> None:
         for found in (*check_features.component(m, "material", False), *check_ranges.component(model, m)):
             if found.severity == "error":
                 raise InputError(f"material '{m.name}': {found.message}")
-
-
-def put(element: Any, table: Mapping[str, Any]) -> None:
-    """Write a table into an element of lxml."""
-    from lxml import etree
-
-    from .expression import written
-
-    for key, value in table.items():
-        if key == "type" or key.startswith("@"):
-            element.set(key.removeprefix("@"), written(value))
-        elif key == "text":
-            element.text = written(value)
-        else:
-            several = value if isinstance(value, list) and any(isinstance(v, dict | str) for v in value) else [value]
-            for item in several:
-                try:
-                    child = etree.SubElement(element, key)
-                except ValueError:
-                    raise InputError(f"'{key}' cannot be a tag of a material") from None
-                if isinstance(item, Mapping):
-                    put(child, item)
-                else:
-                    child.text = written(item)

@@ -18,8 +18,7 @@ import numpy as np
 
 from febkit.model import InputError, Mesh, Model, NodeSet, Where
 
-from .expression import evaluate, fill
-from .materials import put
+from .expression import evaluate, fill, written
 
 
 def instantiate(path: Path, names: Mapping[str, Any], mesh: Mesh) -> Model:
@@ -92,5 +91,27 @@ def _copies(child: Any, names: dict[str, Any], file: str) -> Iterator[tuple[Any,
         if condition is None or evaluate(condition, local, where):
             copy = deepcopy(child)
             if table is not None:
-                put(copy, evaluate(table, local, where))
+                _put(copy, evaluate(table, local, where))
             yield copy, local
+
+
+def _put(element: Any, table: Mapping[str, Any]) -> None:
+    """Write a table into an element of lxml."""
+    from lxml import etree
+
+    for key, value in table.items():
+        if key == "type" or key.startswith("@"):
+            element.set(key.removeprefix("@"), written(value))
+        elif key == "text":
+            element.text = written(value)
+        else:
+            several = value if isinstance(value, list) and any(isinstance(v, dict | str) for v in value) else [value]
+            for item in several:
+                try:
+                    child = etree.SubElement(element, key)
+                except ValueError:
+                    raise InputError(f"'{key}' cannot be a tag of a material") from None
+                if isinstance(item, Mapping):
+                    _put(child, item)
+                else:
+                    child.text = written(item)
