@@ -221,6 +221,9 @@ class Run:
         finally:
             self.totals.factor = dict(self.newton.inverse.solver.stats)
             self.newton.close()
+        loose = self.totals.factor.get("motions_without_stiffness", 0.0)
+        if loose:
+            self.tell("warning", f"{loose:g} motions have no stiffness; nothing loads them, so they stay as they are")
         self._save("step")
         if self.step is not self.problem.steps[-1]:
             self.tell("stepped")

@@ -151,15 +151,16 @@ def stiffness(lo, hi, N, dN, iJ0, wJ0, F, J, s, c, p, k, dt, steady, K):
 
 
 @kernel
-def permeability_coupling(lo, hi, dN, iJ0, wJ0, F, J, gp, dk, dt, K):
-    """Add to the p-u blocks the tangent of a strain-dependent permeability: -dt grad N . dK : grad v . grad p.
+def permeability_coupling(lo, hi, dN, iJ0, wJ0, F, J, gp, dk, dt, steady, K):
+    """Add to the p-u blocks the tangent of a strain-dependent permeability, as FEBio 4.11 has it.
 
-    dk (n, 6, 6): FEBio's spatial strain tangent of the permeability, 2 J^-1 push-forward of dK/dC,
-    row index of K, column index of strain; gp (m, g, 3).
+    Consistent were -dt grad N_i dk_ij,kl grad p_j (grad v)_kl; FEBio exchanges j and k, in steady states grad N and
+    grad p besides. dk (n, 6, 6): FEBio's spatial strain tangent of the permeability, 2 J^-1 push-forward of dK/dC, row
+    index of K, column index of strain; gp (m, g, 3).
     """
     nen = dN.shape[1]
     G = np.empty((3, nen))
-    A = np.empty((3, 6))
+    S, T = np.empty((6, 3)), np.empty((3, 3))
     for e in range(lo, hi):
         M = K[e - lo]
         for g in range(dN.shape[0]):
@@ -167,25 +168,31 @@ def permeability_coupling(lo, hi, dN, iJ0, wJ0, F, J, gp, dk, dt, K):
             w = wJ0[e, g] * J[e, g] * dt
             D = dk[(e - lo) * dN.shape[0] + g]
             x, y, z = gp[e, g, 0] * w, gp[e, g, 1] * w, gp[e, g, 2] * w
-            # A[i, r] = (dK_ij,r) grad p_j
             for r in range(6):
-                A[0, r] = D[0, r] * x + D[3, r] * y + D[5, r] * z
-                A[1, r] = D[3, r] * x + D[1, r] * y + D[4, r] * z
-                A[2, r] = D[5, r] * x + D[4, r] * y + D[2, r] * z
+                if steady:  # S[kl, j] = dk_ij,kl grad p_i
+                    S[r, 0] = D[0, r] * x + D[3, r] * y + D[5, r] * z
+                    S[r, 1] = D[3, r] * x + D[1, r] * y + D[4, r] * z
+                    S[r, 2] = D[5, r] * x + D[4, r] * y + D[2, r] * z
+                else:  # S[ij, l] = dk_ij,kl grad p_k
+                    S[r, 0] = D[r, 0] * x + D[r, 3] * y + D[r, 5] * z
+                    S[r, 1] = D[r, 3] * x + D[r, 1] * y + D[r, 4] * z
+                    S[r, 2] = D[r, 5] * x + D[r, 4] * y + D[r, 2] * z
             for a in range(nen):
                 row = M[3 * nen + a]
                 g0, g1, g2 = G[0, a], G[1, a], G[2, a]
-                t0 = g0 * A[0, 0] + g1 * A[1, 0] + g2 * A[2, 0]
-                t1 = g0 * A[0, 1] + g1 * A[1, 1] + g2 * A[2, 1]
-                t2 = g0 * A[0, 2] + g1 * A[1, 2] + g2 * A[2, 2]
-                t3 = g0 * A[0, 3] + g1 * A[1, 3] + g2 * A[2, 3]
-                t4 = g0 * A[0, 4] + g1 * A[1, 4] + g2 * A[2, 4]
-                t5 = g0 * A[0, 5] + g1 * A[1, 5] + g2 * A[2, 5]
+                for q in range(3):
+                    t0 = g0 * S[0, q] + g1 * S[3, q] + g2 * S[5, q]
+                    t1 = g0 * S[3, q] + g1 * S[1, q] + g2 * S[4, q]
+                    t2 = g0 * S[5, q] + g1 * S[4, q] + g2 * S[2, q]
+                    if steady:
+                        T[q, 0], T[q, 1], T[q, 2] = t0, t1, t2
+                    else:
+                        T[0, q], T[1, q], T[2, q] = t0, t1, t2
                 for b in range(nen):
                     bx, by, bz = G[0, b], G[1, b], G[2, b]
-                    row[b] -= t0 * bx + t3 * by + t5 * bz
-                    row[nen + b] -= t3 * bx + t1 * by + t4 * bz
-                    row[2 * nen + b] -= t5 * bx + t4 * by + t2 * bz
+                    row[b] -= T[0, 0] * bx + T[0, 1] * by + T[0, 2] * bz
+                    row[nen + b] -= T[1, 0] * bx + T[1, 1] * by + T[1, 2] * bz
+                    row[2 * nen + b] -= T[2, 0] * bx + T[2, 1] * by + T[2, 2] * bz
 
 
 @kernel

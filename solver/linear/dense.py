@@ -43,10 +43,38 @@ def _levels(joined: NDArray[np.bool_], left: NDArray[np.bool_], degree: Ints, st
         out.append(near[np.argsort(degree[near], kind="stable")])
 
 
+SINGULAR = "dense LU: the matrix is singular (a body or node is not held?)"
+STRAY = 1e-9  # of the largest right side: what may remain of one, where a motion has no stiffness
+
+
+class _Loose:
+    """A singular matrix (n, n): the least x of M x = b where there is one, so motions without stiffness stay.
+
+    Raises LinearError where b loads such a motion.
+    """
+
+    def __init__(self, M: Floats) -> None:
+        if not np.isfinite(M).all():
+            raise LinearError(SINGULAR)
+        U, s, V = np.linalg.svd(M)
+        held = s > 1e-14 * len(s) * s[0]
+        self.M, self.count, self._most = M, int((~held).sum()), 0.0
+        self._inverse = (V[held].T / s[held]) @ U[:, held].T
+
+    def solve(self, b: Floats) -> Floats:
+        x = self._inverse @ b
+        self._most = max(self._most, float(np.linalg.norm(b)))
+        if not np.linalg.norm(b - self.M @ x) <= STRAY * self._most:
+            raise LinearError(SINGULAR)
+        return np.asarray(x)
+
+
 class Dense:
     def __init__(self) -> None:
         self.name = "dense LU"
         self.stats: dict[str, float] = {}
+        self._loose: _Loose | None = None
+        self._motions = 0  # without stiffness, at most so far
         self._pattern: tuple[object, object] | None = None
         self._factored = False
 
@@ -76,25 +104,36 @@ class Dense:
     def factor(self, A: Matrix) -> None:
         if self._pattern is None or self._pattern[0] is not A.indptr or self._pattern[1] is not A.indices:
             self._analyse(A)
-        M, self._factored = self._lu, False
+        self._factored, self._loose = False, None
+        self._fill(A)
+        if not lu(self._lu, self._pivots, self._first, self._last) > 0.0:
+            self._fill(A)
+            self._loose = _Loose(self._lu.copy())
+            self._motions = max(self._motions, self._loose.count)
+        self._factored = True
+        entries = float((self._last - self._first).sum())
+        self.stats = {"equations": A.n, "entries": len(A.data), "factor_entries": entries}
+        if self._motions:
+            self.stats["motions_without_stiffness"] = self._motions
+
+    def _fill(self, A: Matrix) -> None:
+        """The matrix, equilibrated, so that displacement and pressure rows of any units are alike."""
+        M = self._lu
         M[:] = 0.0
         M.ravel()[self._at] = A.data
         if self._mirror is not None:
             M.ravel()[self._mirror] = A.data
-        # equilibrated, so that displacement and pressure rows of any units are alike
-        d = 1.0 / np.sqrt(np.maximum(np.abs(M).max(axis=1), 1e-300))
+        self._scale = d = 1.0 / np.sqrt(np.maximum(np.abs(M).max(axis=1), 1e-300))
         M *= d[:, None]
         M *= d
-        if not lu(M, self._pivots, self._first, self._last) > 0.0:
-            raise LinearError("dense LU: the matrix is singular (a body or node is not held?)")
-        self._scale, self._factored = d, True
-        entries = float((self._last - self._first).sum())
-        self.stats = {"equations": A.n, "entries": len(A.data), "factor_entries": entries}
 
     def solve(self, b: Floats) -> Floats:
         assert self._factored
         x = b[self._order] * self._scale
-        lu_solve(self._lu, self._pivots, self._first, self._last, x)
+        if self._loose is None:
+            lu_solve(self._lu, self._pivots, self._first, self._last, x)
+        else:
+            x = self._loose.solve(x)
         out = np.empty_like(x)
         out[self._order] = x * self._scale
         return out

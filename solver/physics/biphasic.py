@@ -159,7 +159,7 @@ class BiphasicWork(StandardWork):
             if not steady:
                 self.steadied.tangent(lo, hi, K, 3 * g.n, 3 * g.n)
         if laws.dk is not None:
-            biphasic.permeability_coupling(lo, hi, *g.geometry, self.gp, laws.dk, dt, K)
+            biphasic.permeability_coupling(lo, hi, *g.geometry, self.gp, laws.dk, dt, steady, K)
         if laws.supply is not None:
             biphasic.supply_coupling(lo, hi, g.N, *g.geometry, *laws.supply, dt, K)
         target.add(g, lo, hi, K)

@@ -67,8 +67,20 @@ def test_rows_are_exchanged_where_a_pivot_is_zero() -> None:
 
 @pytest.mark.parametrize("M", [np.zeros((2, 2)), np.ones((3, 3)), np.diag([1.0, 0.0])])
 def test_a_singular_matrix_is_said(M: np.ndarray) -> None:
+    solver = Dense()
+    solver.factor(_compressed(M, False))
     with pytest.raises(LinearError, match="singular"):
-        Dense().factor(_compressed(M, False))
+        solver.solve(np.arange(1.0, len(M) + 1.0))
+
+
+def test_motions_without_stiffness_stay_where_nothing_loads_them() -> None:
+    M = np.array([[2.0, -2.0, 0.0], [-2.0, 2.0, 0.0], [0.0, 0.0, 3.0]])  # a spring that nothing holds
+    solver = Dense()
+    solver.factor(_compressed(M, False))
+    np.testing.assert_allclose(solver.solve(np.array([1.0, -1.0, 6.0])), [0.25, -0.25, 2.0], rtol=1e-14)
+    assert solver.stats["motions_without_stiffness"] == 1
+    with pytest.raises(LinearError, match="singular"):
+        solver.solve(np.array([1.0, -0.9, 6.0]))
 
 
 def test_small_scenes_load_neither_mkl_nor_scipy() -> None:

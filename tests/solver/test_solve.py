@@ -93,7 +93,9 @@ def test_singular_systems_are_said_to_be_singular() -> None:
     A = Matrix(np.array([0, 2, 3], np.int32), np.array([0, 1, 1], np.int32), np.array([1.0, 1.0, 1.0]), True)
     for name in ("dense", "superlu"):
         with pytest.raises(LinearError, match="singular"):
-            choose(name, 2, 1).factor(A)
+            solver = choose(name, 2, 1)
+            solver.factor(A)
+            solver.solve(np.array([1.0, 0.0]))
     with pytest.raises(LinearError, match="unknown linear solver"):
         choose("qr", 2, 1)
 
