@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class Options:
     """What was asked for about the hand-off itself."""
 
-    order: int | None
+    order: int | str | None
     fluid_order: int | None
     solute_order: int | None
     recovery: str | None
@@ -39,12 +39,17 @@ class Options:
     units: str | None
 
 
+def _order(_context: click.Context, _option: click.Parameter, value: str | None) -> int | str | None:
+    return int(value) if value in ("1", "2", "3") else value
+
+
 @click.command("boundary", context_settings={"max_content_width": 110})
 @click.argument("source", type=INPUT)
 @click.argument("cell", type=INPUT, required=False)
 @click.option("--at", multiple=True, metavar="X,Y,Z", help="Point of the tissue; may be repeated.")
 @click.option("--points", type=INPUT, help="CSV file of points: columns x, y, z and, if you like, name.")
-@click.option("--order", type=click.IntRange(1, 3), help="Order of the displacement [default: 2].")
+@click.option("--order", type=click.Choice(["1", "2", "3", "auto"]), callback=_order, help="Order of the displacement "
+              "[default: 2]; auto: at each point the orders with the least estimated error.")
 @click.option("--fluid-order", type=click.IntRange(0, 3), help="Order of the pressure [default: that of the "
               "displacement, at most 2].")
 @click.option("--solute-order", type=click.IntRange(0, 3), help="Order of the concentrations [default: that of "
@@ -82,6 +87,7 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
     febkit boundary tissue.xplt cell.feb --points cells.csv --dataset series.nc
     febkit boundary experiment.csv cell.feb -o driven.feb
     """
+    from febkit.feb import read
     from febkit.model import InputError
 
     options = Options(**rest)
@@ -91,7 +97,8 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
     check([dataset, None if several else output], [source, cell, points], force)
     if cell is None and dataset is None:
         raise InputError("nothing to write: give a cell model, or --dataset for F, G, p alone")
-    tissue, driving = _driving(source, at, points, times, options)
+    model = None if cell is None else read(cell)
+    tissue, driving = _driving(source, at, points, times, options, None if model is None else _offsets(model, options))
     if dataset is not None:
         if driving is None:
             raise InputError("--overlay makes no series: leave out --dataset")
@@ -99,17 +106,15 @@ def command(source: Path, cell: Path | None, at: tuple[str, ...], points: Path |
 
         save(driving, dataset, force)
         printing.say(f"wrote {dataset}")
-    if cell is not None:
+    if model is not None:
         assert output is not None
-        _drive_all(cell, tissue, driving, at, points, options, output, [source, points], force)
+        _drive_all(model, tissue, driving, at, points, options, output, [source, points], force)
 
 
-def _drive_all(cell: Path, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
+def _drive_all(model: Model, tissue: Field | None, driving: xr.Dataset | None, at: tuple[str, ...],
                points: Path | None, options: Options, target: Path, inputs: list[Path | None], force: bool) -> None:
-    from febkit.feb import read
     from febkit.feb.read import sources
 
-    model = read(cell)
     places = None
     if driving is None:
         places, names = _places(at, points)
@@ -130,9 +135,10 @@ def _safe(name: str) -> str:
 
 
 def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str | None,
-             options: Options) -> tuple[Field | None, xr.Dataset | None]:
-    """The tissue, where SOURCE is one, and the series (None for an overlay)."""
+             options: Options, box: Any) -> tuple[Field | None, xr.Dataset | None]:
+    """The tissue, where SOURCE is one, and the series (None for an overlay); ``box`` is over which errors count."""
     from febkit.coupling import from_dataset, read_driving, series
+    from febkit.coupling.errors import asked
     from febkit.model import InputError
 
     if _holds_series(source):
@@ -152,8 +158,12 @@ def _driving(source: Path, at: tuple[str, ...], points: Path | None, times: str 
     places, names = _places(at, points)
     if options.overlay:
         return field, None
-    order = max(2 if options.order is None else options.order, options.fluid_order or 0, options.solute_order or 0)
-    return field, series(field, places, order=order, names=names, recovery=options.recovery, beyond=True)
+    if options.order == "auto" and box is None:
+        raise InputError("--order auto: give the cell model, over whose box errors are estimated")
+    others = max(options.fluid_order or 0, options.solute_order or 0)
+    order = "auto" if options.order == "auto" else max(2 if options.order is None else int(options.order), others)
+    ds = series(field, places, order=order, names=names, recovery=options.recovery, beyond=True, box=box)
+    return field, ds if box is None else asked(ds, options.order, options.fluid_order, options.solute_order)
 
 
 def _named(field: Field, source: Path) -> Field:
@@ -251,23 +261,37 @@ def _handoff(X: Any, tissue: Field | None, driving: xr.Dataset | None, point: in
              options: Options) -> Handoff:
     from febkit.coupling import handoff, overlay
     from febkit.coupling.taylor import orders
+
+    origin = _origin(X, options)
+    if driving is None:
+        assert tissue is not None
+        return overlay(tissue, X, place, rigid=options.rigid, origin=origin)
+    order = options.order
+    if order is None:
+        order = "auto" if "solid_order" in driving else min(2, orders(driving)[0])
+    return handoff(driving, X, point=point, order=order, fluid_order=options.fluid_order,
+                   solute_order=options.solute_order, rigid=options.rigid, origin=origin)
+
+
+def _origin(X: Any, options: Options) -> Any:
+    """The place in the cell model that stands for the point of the tissue."""
     from febkit.model import InputError
 
     low, high = X.min(axis=0), X.max(axis=0)
     if options.origin.strip().lower() in ("centre", "center"):
-        origin = 0.5 * (low + high)
-    else:
-        origin = _numbers(options.origin, "--origin", 3)
-        span = (high - low).max()
-        if ((origin < low - 0.5 * span) | (origin > high + 0.5 * span)).any():
-            raise InputError(f"the origin {options.origin} lies far outside the cell model, which spans "
-                             f"{low} to {high}: say --origin centre, or where the point lies in it")
-    if driving is None:
-        assert tissue is not None
-        return overlay(tissue, X, place, rigid=options.rigid, origin=origin)
-    order = min(2, orders(driving)[0]) if options.order is None else options.order
-    return handoff(driving, X, point=point, order=order, fluid_order=options.fluid_order,
-                   solute_order=options.solute_order, rigid=options.rigid, origin=origin)
+        return 0.5 * (low + high)
+    origin = _numbers(options.origin, "--origin", 3)
+    span = (high - low).max()
+    if ((origin < low - 0.5 * span) | (origin > high + 0.5 * span)).any():
+        raise InputError(f"the origin {options.origin} lies far outside the cell model, which spans "
+                         f"{low} to {high}: say --origin centre, or where the point lies in it")
+    return origin
+
+
+def _offsets(model: Model, options: Options) -> Any:
+    """Driven nodes (n, 3) from the point."""
+    X = model.mesh.X[_nodes(model, options.node_set)]
+    return X - _origin(X, options)
 
 
 def _nodes(model: Model, node_set: str | None) -> Any:

@@ -45,6 +45,13 @@ if TYPE_CHECKING:
     help="Mass exchange by nodal fluxes on a cell's surface (the study's), or by the pressure equation of the "
     "elements around it, which is the cell's change of volume on any mesh.",
 )
+@click.option(
+    "--handoff",
+    type=INPUT,
+    help="Series that drives the model, as febkit boundary --dataset writes it: its estimated error becomes an "
+    "uncertainty of each metric.",
+)
+@click.option("--point", help="Name of the point in --handoff [default: the first].")
 @click.option("--density", type=POSITIVE, help="Fluid density in pg per cubic unit of length [default: water].")
 @click.option(
     "--at", "times", type=FINITE, multiple=True, metavar="T", help="Times to print [default: the last]."
@@ -73,6 +80,8 @@ def command(
     cells: tuple[str, ...],
     sides: str,
     exchange: str,
+    handoff: Path | None,
+    point: str | None,
     density: float | None,
     times: tuple[float, ...],
     variable: str | None,
@@ -94,7 +103,8 @@ def command(
     from febkit import metrics
     from febkit.metrics.summary import QUANTILES
 
-    check([output], [results, model, results.with_suffix(".feb")])
+    check([output], [results, model, results.with_suffix(".feb"), handoff])
+    error = None if handoff is None else _error(handoff, point)
     ds, m = opened(results, model, units)
     if variable:
         data = metrics.summarize(ds, variable, parts or None, quantiles or QUANTILES)
@@ -106,7 +116,7 @@ def command(
         if output is None:
             raise click.UsageError("--fields needs -o FILE.nc")
     else:
-        data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides, exchange)
+        data = metrics.cell_metrics(ds, m, list(cells) or None, density, sides, exchange, error)
         _of_cells(data, times, style)
     if "unit_system" not in data.attrs:
         printing.note(UNKNOWN)
@@ -137,6 +147,18 @@ def opened(
     return ds, found
 
 
+def _error(path: Path, point: str | None) -> xr.Dataset:
+    """The estimated error over time of a series' hand-off at a point."""
+    from febkit.coupling import estimate, read_driving
+    from febkit.model import InputError
+
+    driving = read_driving(path)
+    names = [str(n) for n in driving["point"].values]
+    if point is not None and point not in names:
+        raise InputError(f"{path} has no point {point!r}: there is {', '.join(names)}")
+    return estimate(driving, 0 if point is None else names.index(point))
+
+
 def _of_cells(data: xr.Dataset, times: tuple[float, ...], style: str) -> None:
     """Print the study's six and, of mixtures, what the cells hold."""
     from febkit import metrics
@@ -144,6 +166,10 @@ def _of_cells(data: xr.Dataset, times: tuple[float, ...], style: str) -> None:
 
     flat = osmotic.split(data)
     _printed(flat, [k for k in metrics.METRICS if k in flat], "cell", times, style)
+    unsure = [f"{k}_uncertainty" for k in metrics.METRICS if f"{k}_uncertainty" in flat]
+    if unsure:
+        printing.note(f"uncertainty: {data.attrs['uncertainty']}")
+        _printed(flat, unsure, "cell", times, style)
     held = list(osmotic.names(flat))
     if held:
         _printed(flat, held, "cell", times, style)

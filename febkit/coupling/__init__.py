@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .boundary import Driven, drive, with_solutes, write, write_section
     from .checks import Checks, check, same_units
     from .driving import checked, read_driving, read_points
+    from .errors import estimate
     from .field import Field, from_dataset, from_mesh
     from .histories import Handoff, handoff, overlay, surface_nodes
     from .location import locate
@@ -19,13 +20,13 @@ _HOME = {
     "Driven": "boundary", "drive": "boundary", "with_solutes": "boundary", "write": "boundary",
     "write_section": "boundary",
     "Checks": "checks", "check": "checks", "same_units": "checks", "checked": "driving", "read_driving": "driving",
-    "read_points": "driving", "Field": "field", "from_dataset": "field", "from_mesh": "field",
+    "estimate": "errors", "read_points": "driving", "Field": "field", "from_dataset": "field", "from_mesh": "field",
     "Handoff": "histories", "handoff": "histories", "overlay": "histories", "surface_nodes": "histories",
     "locate": "location", "RECOVERIES": "taylor", "series": "taylor",
 }
 
-__all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "checked", "drive", "from_dataset",
-           "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "same_units",
+__all__ = ["RECOVERIES", "Checks", "Driven", "Field", "Handoff", "check", "checked", "drive", "estimate",
+           "from_dataset", "from_mesh", "handoff", "locate", "overlay", "read_driving", "read_points", "same_units",
            "series", "surface_nodes", "with_solutes", "write", "write_section"]
 
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from febkit import units
 
-from .derivatives import COUNT, TERMS, monomials
-from .histories import Handoff, evaluate
+from . import errors
+from .derivatives import COUNT, TERMS, evaluate, gradient, monomials
+from .histories import Handoff
 from .taylor import ELEMENT_NOTE, coefficients, orders
 
 if TYPE_CHECKING:
@@ -69,8 +70,23 @@ def check(given: Handoff, driving: xr.Dataset | None = None, point: int = 0) -> 
     if given.c is not None and float(np.min(given.c)) < 0.0:
         problems.append("a concentration turns negative on the surface: take a lower solute order, or a smaller cell "
                         "model")
+    lines += _about_error(given, driving, point)
     lines += _about_recovery(given, driving, point)
     return Checks(det_F, det_map, at, ratio, rest_u, rest_p, rest_c, tuple(lines), tuple(problems))
+
+
+def error_of(given: Handoff, driving: xr.Dataset, point: int = 0) -> xr.Dataset:
+    """The estimate (:func:`.errors.estimate`) over time for what is handed off."""
+    solid, fluid, solute = (0 if q is None else COUNT.index(q.shape[1])
+                            for q in (given.motion, given.fluid, given.concentration))
+    return errors.estimate(driving, point, solid, fluid, solute)
+
+
+def _about_error(given: Handoff, driving: xr.Dataset | None, point: int) -> list[str]:
+    """What the tissue alone lets guess of the error, where the series was made for a box."""
+    if driving is None or given.motion is None or not errors.known(driving):
+        return []
+    return errors.told(error_of(given, driving, point))
 
 
 def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> list[str]:
@@ -92,19 +108,6 @@ def _about_recovery(given: Handoff, driving: xr.Dataset | None, point: int) -> l
 def same_units(tissue: str | None, cell: str | None) -> None:
     """Raise InputError where tissue and cell model name different unit systems: nothing is converted between them."""
     units.one(tissue, cell, what="the tissue and the cell model")
-
-
-def gradient(coefficient: Floats, offset: Floats) -> Floats:
-    """d(series)/dX at offsets: (t, n, c, 3) of coefficients (t, terms, c)."""
-    terms = TERMS[:coefficient.shape[1]]
-    index = {t: k for k, t in enumerate(TERMS)}
-    out = []
-    lower = [t for t in terms if len(t) < len(terms[-1])]
-    basis = monomials(offset, tuple(lower))
-    for axis in range(3):
-        pick = [index[tuple(sorted((*t, axis)))] for t in lower]
-        out.append(np.matmul(basis[None], coefficient[:, pick]))
-    return np.stack(out, axis=-1)
 
 
 def _volumes(given: Handoff) -> tuple[tuple[float, float], tuple[float, float], float | None]:

@@ -42,6 +42,25 @@ def monomials(x: Floats, terms: tuple[tuple[int, ...], ...] = TERMS) -> Floats:
     return out
 
 
+def evaluate(coefficient: Floats, offset: Floats) -> Floats:
+    """Series (t, terms, c) at offsets (n, 3): (t, n, c)."""
+    basis = monomials(offset, TERMS[: coefficient.shape[1]])
+    return np.asarray(np.matmul(basis[None], coefficient))
+
+
+def gradient(coefficient: Floats, offset: Floats) -> Floats:
+    """d(series)/dX at offsets: (t, n, c, 3) of coefficients (t, terms, c)."""
+    terms = TERMS[: coefficient.shape[1]]
+    index = {t: k for k, t in enumerate(TERMS)}
+    out = []
+    lower = [t for t in terms if len(t) < len(terms[-1])]
+    basis = monomials(offset, tuple(lower))
+    for axis in range(3):
+        pick = [index[tuple(sorted((*t, axis)))] for t in lower]
+        out.append(np.matmul(basis[None], coefficient[:, pick]))
+    return np.stack(out, axis=-1)
+
+
 def full(values: Floats, order: int) -> Floats:
     """Symmetric tensors (..., 3, 3, ...) of the derivatives of one order among ``values`` (..., 20)."""
     out = np.empty((*values.shape[:-1], *(3,) * order))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from febkit.model import InputError
 
-from .derivatives import apply, by_element, monomials
+from .derivatives import apply, by_element, evaluate
+from .errors import chosen
 from .field import Field, from_dataset
 from .location import locate, require_inside
 from .taylor import Coefficients, coefficients, orders, series
@@ -94,14 +95,7 @@ class Handoff:
         return replace(self, concentration=c, solutes=tuple(names), at_nodes=held)
 
 
-def evaluate(coefficient: Floats, offset: Floats) -> Floats:
-    """Series (t, terms, c) at offsets (n, 3): (t, n, c)."""
-    terms = coefficient.shape[1]
-    basis = monomials(offset)[:, :terms]
-    return np.asarray(np.matmul(basis[None], coefficient))
-
-
-def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int = 2,
+def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int | str = 2,
             fluid_order: int | None = None, solute_order: int | None = None, rigid: str = "drop",
             origin: Any = (0.0, 0.0, 0.0)) -> Handoff:
     """Histories at nodes ``X`` (n, 3) of a cell model from one point of a driving dataset.
@@ -110,9 +104,16 @@ def handoff(driving: xr.Dataset, X: Floats, *, point: int = 0, order: int = 2,
     effective concentration; X counts from ``origin``, the place in the cell model that stands for the point.
     ``rigid``: "drop" the point's own displacement (the study's way), "keep" it, or "drop-all", its rotation too (R of
     F = R U). ``fluid_order`` None: the solid's, but at most 2 and what the driving data hold (see docs/handoff.md);
-    ``solute_order`` None: the fluid's, but at most what the driving data hold.
+    ``solute_order`` None: the fluid's, but at most what the driving data hold. "auto" takes the orders with the least
+    estimated error, of data made with ``series(..., order="auto")``, where they are not said.
     """
     held = orders(driving)
+    if order == "auto":
+        order, *rest = chosen(driving, point)
+        fluid_order, solute_order = (given if given is not None else own
+                                     for given, own in zip((fluid_order, solute_order), rest))
+    elif isinstance(order, str):
+        raise InputError(f'order must be 1, 2, 3 or "auto", not "{order}"')
     if fluid_order is None:
         fluid_order = max(min(order, 2, held[1]), 0)
     if solute_order is None:

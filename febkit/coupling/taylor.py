@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from febkit import units
 from febkit.model import InputError
 
+from . import errors
 from .derivatives import COUNT, MAX_ORDER, apply, by_element, full, packed
 from .field import Field, from_dataset
 from .location import Location, locate, require_inside
@@ -81,9 +82,9 @@ RECOVERIES = {
 }
 
 
-def series(tissue: Field | xr.Dataset, points: Any, *, order: int = 2,
+def series(tissue: Field | xr.Dataset, points: Any, *, order: int | str = 2,
            recovery: str | None = None, times: Any = None, names: Any = None,
-           own_part: bool = True, beyond: bool = False) -> xr.Dataset:
+           own_part: bool = True, beyond: bool = False, box: Any = None) -> xr.Dataset:
     """Series up to ``order`` of a solved tissue at points (m, 3) of its reference configuration.
 
     Returns a Dataset over ``point`` and ``time``: displacement ``u`` of the point, ``F`` (3, 3), ``G`` (3, 3, 3),
@@ -96,29 +97,73 @@ def series(tissue: Field | xr.Dataset, points: Any, *, order: int = 2,
     Ask for the order that is handed off: recovery depends on it. ``beyond`` adds the derivatives one order up,
     from a recovery of their own, for the estimate of what is left out.
 
+    ``box``, the edge of the cell model's cube or its nodes (n, 3) from the point, adds an estimate of the error of
+    every order over that box (``u_error``, ``strain_error``, ``p_error``, ...): see :mod:`.errors`. With it ``order``
+    may be "auto": at each point the orders of motion, pressure and concentrations with the least error, named in
+    ``solid_order``, ``fluid_order``, ``solute_order``.
+
     Raises InputError where a point lies outside the tissue, naming it by its coordinates.
     """
+    if order == "auto":
+        if box is None:
+            raise InputError('order "auto" asks for the size of the cell model (box), over which errors are estimated')
+    elif isinstance(order, str):
+        raise InputError(f'order must be 1, 2, 3 or "auto", not "{order}"')
     field = tissue if isinstance(tissue, Field) else from_dataset(tissue)
     if times is not None:
         field = field.at(np.asarray(times, dtype=float))
     points = np.atleast_2d(np.asarray(points, dtype=float))
-    method = _method(recovery or default_recovery(field, order), order)
+    top = MAX_ORDER if order == "auto" else int(order)
+    method = _method(recovery or default_recovery(field, top), top)
     where = locate(field, points)
     require_inside(field, points, where)
-    operator, lost = method.rows(field, where, points, order, own_part)
-    values = apply(operator, field, COUNT[order])
-    top = order
-    if beyond and order < MAX_ORDER:
-        top = order + 1
-        more = apply(method.rows(field, where, points, top, own_part)[0], field, COUNT[top])
-        values = np.concatenate([values, more[:, :, COUNT[order]:]], axis=2)
+    read = _Recovered(field, where, points, own_part)
+    found = {} if box is None else errors.of_series(
+        field, where, points, box, lambda n: read(method.name, n), read(default_recovery(field, MAX_ORDER), MAX_ORDER))
+    chosen = errors.choose(found) if order == "auto" else {}
+    values = _of_orders(field, chosen, lambda n: read(method.name, n)) if chosen else read(method.name, top)
+    lost = read.lost[method.name, top]
+    if beyond and top < MAX_ORDER:
+        values = np.concatenate([values, read(method.name, top + 1)[:, :, COUNT[top]:]], axis=2)
     for name, said in (("u", "displacement"), ("c", "concentrations")):
         columns = field.columns.get(name)
         if columns is not None and not np.isfinite(values[..., columns]).all():
             raise InputError(f"the tissue's {said}: not a number around some of the points")
-    ds = _dataset(field, points, where, values, lost, top, method, names)
+    ds = _dataset(field, points, where, values, lost, COUNT.index(values.shape[2]), method, names)
     ds.attrs["order"] = order
-    return ds
+    return ds if box is None else _with_errors(ds, found | chosen)
+
+
+class _Recovered:
+    """Coefficients (point, time, term, column) by recovery and order, each found once; ``lost`` counts terms lost."""
+
+    def __init__(self, field: Field, where: Location, points: Floats, own_part: bool) -> None:
+        self.told = field, where, points
+        self.own_part = own_part
+        self.kept: dict[tuple[str, int], Floats] = {}
+        self.lost: dict[tuple[str, int], Ints] = {}
+
+    def __call__(self, name: str, order: int) -> Floats:
+        if (name, order) not in self.kept:
+            operator, self.lost[name, order] = RECOVERIES[name].rows(*self.told, order, self.own_part)
+            self.kept[name, order] = apply(operator, self.told[0], COUNT[order])
+        return self.kept[name, order]
+
+
+def _of_orders(field: Field, chosen: dict[str, Any], read: Callable[[int], Floats]) -> Floats:
+    """Coefficients up to the third order, at each point those of its own order and, beyond, of the orders there."""
+    out = read(MAX_ORDER).copy()
+    for of, name in (("u", "solid"), ("p", "fluid"), ("c", "solute")):
+        for n in range(MAX_ORDER - 1, 0, -1):
+            if of in field.columns and f"{name}_order" in chosen:
+                mine = chosen[f"{name}_order"][1] <= n
+                out[mine, :, : COUNT[n], field.columns[of]] = read(n)[mine][..., field.columns[of]]
+    return out
+
+
+def _with_errors(ds: xr.Dataset, found: dict[str, Any]) -> xr.Dataset:
+    """A series with the variables of :mod:`.errors`."""
+    return ds.assign(found).assign_coords(part=list(errors.PARTS), handed_order=list(errors.ORDERS))
 
 
 def default_recovery(field: Field, order: int) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import exchange as exchanges
-from . import flux, osmotic, shape
+from . import flux, osmotic, shape, uncertainty
 from . import groups as grouping
 from .fields import SCALARS, Sweep
 from .kinematics import Group, State
@@ -93,6 +94,7 @@ def cell_metrics(
     density: float | None = None,
     sides: str = "both",
     exchange: str = "nodal",
+    error: xr.Dataset | str | PathLike[str] | None = None,
 ) -> xr.Dataset:
     """Metrics (cell, time) of each cell of a result.
 
@@ -105,6 +107,8 @@ def cell_metrics(
                elements at the node ("both")
     exchange   mass exchange from nodal fluxes on the surface ("nodal", the study's), or the flux that the
                discrete pressure equation balances ("consistent"): see :class:`.exchange.Consistent`
+    error      of a driven cell model, the estimated error of its hand-off over time (febkit.coupling.estimate, or its
+               NetCDF file): adds ``<metric>_uncertainty``, see :mod:`.uncertainty`
 
     Where the model is of solutes (biphasic-solute, triphasic, multiphasic), what the cells hold as well, by solute
     (cell, time, solute) and altogether: see :data:`febkit.metrics.osmotic.TABLE`.
@@ -141,7 +145,10 @@ def cell_metrics(
             about |= {"density": rho, "density_units": f"pg/{length}^3"}
         about |= flow.about() if exchange == "consistent" else {**flow.about(), "sides": sides}
         out["mass_exchange_rate"].attrs.update(about)
-    return out
+    if error is None:
+        return out
+    scale = Scale(system)
+    return uncertainty.add(out, error, rho * scale.by("mass") / scale.by("volume"))
 
 
 def _measure(

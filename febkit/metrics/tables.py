@@ -95,6 +95,8 @@ def _text(v: object) -> str:
 
 def heading(metric: str, units: str) -> str:
     """Column heading with its unit; without where the value is a pure number, or its unit is not known."""
+    if metric.endswith("_uncertainty"):
+        return f"± {heading(metric.removesuffix('_uncertainty'), units)}"
     stem, solute, of = metric.partition("[")
     name = HEADINGS.get(stem, stem.replace("_", " ")) + (f" {of[:-1]}" if solute else "")
     if metric == "mass_exchange_rate" and not units:

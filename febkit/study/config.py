@@ -22,7 +22,8 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid), "2/2/1" (/solutes) or "overlay".
+    """How the tissue's field is handed over: "1", "2", "2/1" (order of solid/fluid), "2/2/1" (/solutes), "auto" (at
+    each point the orders with the least estimated error) or "overlay".
 
     An order may name its recovery ("2 element"); without one the study's [coupling] says which.
     """
@@ -41,12 +42,14 @@ class Method:
         said, _, recovery = t.partition(" ")
         orders = said.split("/")
         known = recovery in ("", *RECOVERIES)
+        if known and said == "auto":
+            return cls(t, None, None, recovery or None)
         if known and len(orders) <= 3 and all(o in ("1", "2", "3") for o in orders):
             solid, fluid, solute = (int(orders[min(k, len(orders) - 1)]) for k in range(3))
             return cls(t, solid, fluid, recovery or None, solute if len(orders) == 3 else None)
         raise InputError(
             f'method {t!r} must be an order "1", "2" or "3", or "2/1" (solid/fluid), or "2/2/1" (/solutes), with or '
-            f'without a recovery ({", ".join(RECOVERIES)}) after it, or "overlay"',
+            f'without a recovery ({", ".join(RECOVERIES)}) after it, "auto", or "overlay"',
             where,
         )
 
@@ -274,7 +277,9 @@ def _control(cell: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
 
 def _coupling(t: Entries) -> dict[str, Any]:
     """What :func:`febkit.coupling.series` is told beside the points and the order."""
-    t.only(("recovery", "own_part"))
+    t.only(("recovery", "own_part", "box"))
+    if "box" in t.given:
+        t.positive("box", 1.0)
     if "recovery" in t.given:
         t.choice("recovery", "", RECOVERIES)
     t.flag("own_part", True)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from febkit.model import InputError
+
 from .config import Method, Point, Resources, Study
 from .step import Step
 from .store import Store
@@ -149,10 +151,23 @@ def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step])
     """Series of the tissue's field at all points, of the order that is handed off: one small file."""
     order = max(method.solid or 1, method.fluid or 1, method.solute or 1)
     params: dict[str, Any] = {"points": [list(p) for p in study.points], **study.coupling, "order": order}
+    if method.solid is None:
+        params |= {"order": "auto", "box": _box(study)}
     if method.recovery:
         params["recovery"] = method.recovery
-    label = f"{case} tissue: series of order {order} at {len(study.points)} points"
+    label = f"{case} tissue: series of order {params['order']} at {len(study.points)} points"
     return Step("series", label + (f", {method.recovery}" if method.recovery else ""), params, dict(tissue))
+
+
+def _box(study: Study) -> float:
+    """Edge of the cell model, over which the error of a hand-off is estimated."""
+    if "box" in study.coupling:
+        return float(study.coupling["box"])
+    if {"file", "template"} & set(study.cell):
+        raise InputError(f'{study.file}: method "auto" with a cell model of your own: say its edge, box in [coupling]')
+    from febkit.templates.template import load
+
+    return float(study.cell.get("edge", load("cell").parameters["edge"].default))
 
 
 def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping[str, Step]) -> Step:

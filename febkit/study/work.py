@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from febkit.model import Model
 
-MODEL, RESULTS, SERIES, METRICS, AGREEMENT = (
+MODEL, RESULTS, SERIES, METRICS, AGREEMENT, ERROR = (
     "model.feb",
     "run.xplt",
     "series.nc",
     "metrics.nc",
     "agreement.nc",
+    "error.nc",
 )
 
 
@@ -80,7 +81,7 @@ def series(job: Job) -> None:
     """Taylor series of the tissue's field at every point, of the order handed off and what it leaves out."""
     from febkit import coupling, results
 
-    options = {k: v for k, v in job.params.items() if k in ("order", "recovery", "own_part")}
+    options = {k: v for k, v in job.params.items() if k in ("order", "recovery", "own_part", "box")}
     with results.open(job.inputs["results"] / RESULTS, units=job.params.get("units")) as tissue:
         found = coupling.series(tissue, job.params["points"], beyond=True, **options)
     found.to_netcdf(job.folder / SERIES)
@@ -89,12 +90,16 @@ def series(job: Job) -> None:
 def drive(job: Job) -> None:
     """A cell model with the tissue's field on its surface; the checks' findings go into the record."""
     from febkit import coupling, feb
+    from febkit.coupling.checks import error_of
+    from febkit.coupling.errors import known
 
     model = feb.read(job.inputs["cell"] / MODEL)
     nodes = coupling.surface_nodes(model.mesh)
     given, driving, point = _handoff(job, model, model.mesh.X[nodes])
     found = coupling.check(given, driving, point)
     job.record["said"], job.record["problems"] = list(found.lines), list(found.problems)
+    if driving is not None and known(driving):
+        error_of(given, driving, point).to_netcdf(job.folder / ERROR)
     driven = coupling.drive(model, given, nodes)
     lost = coupling.write(driven, job.folder / MODEL)
     job.record["problems"] += [str(x) for x in lost or ()]
@@ -114,7 +119,8 @@ def _handoff(job: Job, model: Model, X: Any) -> tuple[Any, Any, int]:
     coupling.same_units(driving.attrs.get("unit_system"), model.units)
     point = int(job.params["point"])
     solid, fluid, solute = job.params["solid"], job.params["fluid"], job.params.get("solute")
-    given = coupling.handoff(driving, X, point=point, order=solid, fluid_order=fluid, solute_order=solute)
+    order = "auto" if solid is None else solid
+    given = coupling.handoff(driving, X, point=point, order=order, fluid_order=fluid, solute_order=solute)
     return given, driving, point
 
 
@@ -126,6 +132,8 @@ def measure(job: Job) -> None:
     path = job.inputs["model"] / MODEL
     model = feb.read(path) if path.is_file() else None
     told = {k: v for k, v in job.params.items() if k != "units"}
+    error = job.inputs["model"] / ERROR  # of the hand-off, where it was estimated
+    told |= {"error": error} if error.is_file() else {}
     with results.open(job.inputs["results"] / RESULTS, units=job.params.get("units")) as ds:
         cell_metrics(ds, model, **told).to_netcdf(job.folder / METRICS)
 

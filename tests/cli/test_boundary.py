@@ -99,6 +99,32 @@ def test_several_points_make_several_files_and_a_dataset(folder):
     assert (folder / "again_left.feb").read_bytes() == (folder / "d_left.feb").read_bytes()
 
 
+def test_the_order_with_the_least_error_is_taken_and_kept(folder):
+    import xarray as xr
+
+    said = run(folder, "tissue.nc", "cell.feb", "--at", "0.1,0,-0.2", "--order", "auto", "--dataset", "s.nc",
+               "-o", "d.feb")
+    assert "estimated error" in said and "by the tissue's mesh" in said
+    with xr.open_dataset(folder / "s.nc") as ds:
+        solid, fluid = int(ds["solid_order"][0]), int(ds["fluid_order"][0])
+        assert f"order {solid} for the solid, {fluid} for the fluid" in said
+        least = (ds["strain_error"] ** 2).mean("time").isel(point=0)
+        assert int(least["handed_order"][int(least.values.argmin())]) == solid
+        assert ds["u_error"].attrs["long_name"] and "formula" in ds["u_error"].attrs
+    again = run(folder, "s.nc", "cell.feb", "-o", "again.feb")  # goes by the orders that the data name
+    assert f"order {solid} for the solid" in again
+    assert (folder / "again.feb").read_bytes() == (folder / "d.feb").read_bytes()
+
+
+def test_orders_that_were_asked_for_are_named_in_the_dataset(folder):
+    import xarray as xr
+
+    run(folder, "tissue.nc", "cell.feb", "--at", "0,0,0", "--order", "1", "--fluid-order", "2", "--dataset", "s.nc",
+        "-o", "d.feb")
+    with xr.open_dataset(folder / "s.nc") as ds:
+        assert (int(ds["solid_order"][0]), int(ds["fluid_order"][0])) == (1, 2)
+
+
 def test_an_experiment_drives_a_cell_model_with_the_orders_it_has(folder):
     said = run(folder, "experiment.csv", "cell.feb", "-o", "e.feb")
     assert "order 1 for the solid, 0 for the fluid" in said and "4.0, math" in said
@@ -118,6 +144,8 @@ def test_options_write_a_file(folder, extra):
 
 @pytest.mark.parametrize(("args", "message"), [
     (["tissue.nc", "cell.feb"], "which point"),
+    (["tissue.nc", "--at", "0,0,0", "--order", "auto", "--dataset", "s.nc"], "give the cell model"),
+    (["experiment.csv", "cell.feb", "--order", "auto"], "no orders were chosen"),
     (["tissue.nc", "--at", "0,0,0"], "nothing to write"),
     (["tissue.nc", "cell.feb", "--at", "0,0"], "3 finite numbers"),
     (["tissue.nc", "cell.feb", "--at", "0,0,nan"], "3 finite numbers"),

@@ -63,7 +63,7 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.parametrize(("entry", "word"), [
     ('cases = ["E"]', "case"), ('methods = ["4"]', "method"), ("nonsense = 1", "nonsense"),
-    ('methods = ["2 splines"]', "splines"),
+    ('methods = ["2 splines"]', "splines"), ("[coupling]\nbox = 0", "box"),
     ("[points]\nat = [[0, 0]]", "three numbers"), ("[points]\nat = [[0, 0, 0], [0, 0, 0]]", "twice"),
     ('[points]\nfile = "none.csv"', "none.csv"), ('[cell]\nfile = "none.feb"', "none.feb"),
     ('[run]\nkeep = "some"', "keep"), ("[run]\ncores = 3", "cores"), ("cases = [", "TOML"),
@@ -436,18 +436,35 @@ def test_report_of_a_small_study(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     kept = []
     monkeypatch.setattr("febkit.process.keep_freed_memory", lambda: kept.append(True))
-    p = plan_of(tmp_path, "points={at=[[0,0,0]]}", 'methods=["1"]')
+    p = plan_of(tmp_path, "points={at=[[0,0,0]]}", 'methods=["auto"]')
     assert study.carry_out(p, "serial").complete
+    found = study.results(p)
+    assert np.isfinite(found["effective_strain_uncertainty"]).all()  # of a hand-off whose error was estimated
+    assert (found["effective_strain_uncertainty"].isel(time=-1) > 0).all()
     files = [f.name for f in study.write_report(p, tmp_path / "report")]
     assert {"metrics.nc", "report.md", "histories_A.png", "section_A.png"} <= set(files)
     text = (tmp_path / "report" / "report.md").read_text()
-    assert "A order 1: solve" in text and "effective stress (kPa)" in text
+    assert "A order auto: solve" in text and "effective stress (kPa)" in text
     solves = text[text.index("**Solves**") :].splitlines()
     rows = [[c.strip() for c in r.split("|")[1:-1]] for r in solves if r.startswith("| ")][1:]
     total = sum(float(r[3]) for r in rows[:-1])
     assert len(kept) == 2  # as febkit run does
     assert rows[-1][0] == "2 solves" and float(rows[-1][3]) == pytest.approx(total, abs=0.3)
     assert [r[1] for r in rows[:-1]] == ["27", rows[1][1]] and int(rows[1][1]) > 100
+
+
+def test_auto_asks_for_the_size_of_the_cell_model(tmp_path):
+    """Nothing else changes its address; a box in [coupling] has all series estimate their error."""
+    plain, auto = plan_of(tmp_path), plan_of(tmp_path, 'methods=["1", "2/1", "auto", "auto element"]')
+    assert set(plain.steps()) < set(auto.steps())
+    told = [s.params for s in auto.steps().values() if s.kind == "series" and s.params["order"] == "auto"]
+    assert [t["box"] for t in told] == [0.05, 0.05] and told[1]["recovery"] == "element"
+    boxed = plan_of(tmp_path, "coupling.box=0.07", 'methods=["1", "auto"]')
+    assert {s.params["box"] for s in boxed.steps().values() if s.kind == "series"} == {0.07}
+    (tmp_path / "c.feb").write_text("<a/>")
+    with pytest.raises(InputError, match="say its edge, box in"):
+        plan_of(tmp_path, 'methods=["auto"]', 'cell={file="c.feb"}')
+    assert plan_of(tmp_path, 'methods=["auto"]', 'cell={file="c.feb"}', "coupling.box=0.1").metrics
 
 
 def test_a_method_names_the_order_of_the_solutes_apart() -> None:
