@@ -7,8 +7,8 @@
 Z = 0, 0.25 and 0.42 mm over a cube of 0.1 mm, and prints Markdown tables of the estimate (febkit.coupling.errors)
 beside the true error against the fine mesh: largest over 125 places and over times by the largest value there.
 ``rho``: Spearman's rank correlation; ``bound``: share of hand-offs whose estimate is no less than the error;
-``median``, ``10 %``, ``90 %``: of the estimate over the error. What is free in the estimate was chosen on A and C. Then automatic
-against fixed order.
+``median``, ``10 %``, ``90 %``: of the estimate over the error. What is free in the estimate was
+chosen on A and C. Then automatic against fixed order.
 
 ``cells``: small cell models driven by three tissue meshes (errors.toml), their metrics beside those of the embedded
 control: estimated uncertainties beside true errors, largest over times, cell by cell.
