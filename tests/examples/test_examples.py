@@ -44,6 +44,16 @@ def test_donnan_swelling() -> None:
     assert found == pytest.approx(PINNED_SWELLING, rel=1e-5) and found == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.parametrize("height", [0.333, 0.667, 0.889])
+def test_a_published_fit_comes_out(height: float) -> None:
+    """E and beta as their authors print them, of a closed form that no finite elements are in."""
+    here = example("fit_over_depth")
+    layer = next(q for q in here.LAYERS if q.height == height)
+    f = here.fitted(layer)
+    assert f.converged and f["tissue.solid.E"] == pytest.approx(layer.E, rel=1e-3)
+    assert f["tissue.solid.beta"] == pytest.approx(layer.beta, rel=1e-3, abs=1e-5)
+
+
 def test_the_model_of_the_page_on_mixtures_is_that_of_the_example() -> None:
     """The page's block of Python, run as it stands."""
     page = (FOLDER.parent / "docs" / "mixtures.md").read_text()
