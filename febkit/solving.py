@@ -30,6 +30,7 @@ def solve(
     linear: str = "auto",
     factor: str = "auto",
     accuracy: float = 0.0,
+    tolerance: float = 0.0,
     stabilise: float = 0.0,
     memory: float = 0.0,
     progress: bool = False,
@@ -50,6 +51,8 @@ def solve(
     threads: 0 for all processors; linear: "auto", "pardiso", "superlu", "dense" or "iterative" (needs pyamg);
     factor: "auto", "fresh" or "reuse" (see :class:`febkit.solver.options.Options`). memory: GB that a factorisation may
     take before "auto" turns to the iterative solver; 0 for what the machine has left.
+    tolerance: relative increment of displacements, pressures, concentrations at which iterations may end, where the
+    file's dtol, ptol, ctol are larger.
     accuracy: relative error per step of steps of second order and of their own size, for transient models with
     fluids; 0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for
     the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
@@ -74,7 +77,8 @@ def solve(
         if given is not None and not fspath(given):  # fspath raises TypeError for what is no path
             raise ValueError("a plotfile or logfile needs a name; leave it out to have none written")
     options = Options(
-        threads=threads, linear=linear, factor=factor, stabilise=stabilise, accuracy=accuracy, memory=memory,
+        threads=threads, linear=linear, factor=factor, stabilise=stabilise, accuracy=accuracy, tolerance=tolerance,
+        memory=memory,
     )  # fmt: skip
     again = getattr(model, "_again", None)
     model = _model(model)

@@ -8,7 +8,7 @@ from numbers import Integral, Real
 
 LINEAR = ("auto", "pardiso", "superlu", "dense", "iterative")
 FACTOR = ("auto", "fresh", "reuse")
-ACCURACY = 0.1  # the largest relative error of a step that can be asked for
+ACCURACY = 0.1  # the largest relative error of a step, or increment of an iteration, that can be asked for
 
 
 @dataclass(kw_only=True, eq=False)
@@ -22,6 +22,7 @@ class Options:
     (so that no saved time depends on iteration counts).
     accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
     runs with a fluid; 0, the file's steps.
+    tolerance: relative increment of every field at which an iteration may end, where the file's is larger; 0, the file's.
     stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
     Raises ValueError for what is none of these.
     """
@@ -31,6 +32,7 @@ class Options:
     factor: str = "auto"
     stabilise: float = 0.0
     accuracy: float = 0.0
+    tolerance: float = 0.0
     memory: float = 0.0
 
     def __post_init__(self) -> None:
@@ -40,7 +42,7 @@ class Options:
             given = getattr(self, name)
             if given not in values:
                 raise ValueError(f"{name} = {given!r} is none of {', '.join(values)}")
-        for name, most in (("accuracy", ACCURACY), ("stabilise", inf), ("memory", inf)):
+        for name, most in (("accuracy", ACCURACY), ("tolerance", ACCURACY), ("stabilise", inf), ("memory", inf)):
             given = getattr(self, name)
             if not isinstance(given, Real) or not 0.0 <= given <= most or given == inf:
                 limit = f" to {most:g}" if most < inf else " or more"

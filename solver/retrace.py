@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from .newton import Counts, Strategy
 from .options import Options
 from .problem import NewtonOptions, Problem, Step
 from .run import Listener, Run
+from .second_order import ROUNDING
 from .stepping import FixedSteps
 
 TIGHT = 1e-8  # of all increments
@@ -49,3 +53,8 @@ class Retraced(Run):
         o = super()._newton_options()
         tight = {f.option: min(o.tolerance(f) or TIGHT, TIGHT) for f in self.state.layout.fields}
         return replace(o, tolerances=tight, min_residual=0.0, max_reforms=max(o.max_reforms, 60))
+
+    def _attempt(self, how: Strategy) -> tuple[Counts, bool]:
+        """A model at rest has nothing left to solve for but rounding."""
+        self.newton.convergence.least = (ROUNDING * float(np.linalg.norm(self.state.reaction))) ** 2
+        return super()._attempt(how)

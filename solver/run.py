@@ -294,10 +294,11 @@ class Run:
         return route
 
     def _newton_options(self) -> NewtonOptions:
-        """Those of the file; increments are as small as the error that steps of their own size may have."""
-        o, most = self.step.newton, self.options.accuracy
-        if not most:
+        """Those of the file; increments are as small as they are asked for, and as the error of steps of their own size."""
+        o, asked = self.step.newton, [t for t in (self.options.accuracy, self.options.tolerance) if t]
+        if not asked:
             return o
+        most = min(asked)
         given = {f.option: o.tolerance(f) for f in self.state.layout.fields}
         return replace(o, tolerances={n: min(tol, most) if tol > 0 else tol for n, tol in given.items()})
 

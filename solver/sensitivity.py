@@ -35,7 +35,7 @@ STEP, BOTH = 1e-6, 1e-5  # delta over theta, where there is one variation for a 
 MOST = 25  # corrections in a step
 PAIRS = 12  # the last ones are kept
 SLOW = 0.005  # of an error that a correction may leave, though the last one left less
-NOISE = 1e-14  # of positions and other unknowns: what is within it over delta counts as nothing
+NOISE = 1e-14  # of positions and other unknowns, as large as they were: what is within it over delta counts as nothing
 HIDDEN = 1e-12  # of them: changes within it are too rough to learn from
 JUMP = 1e-4  # of them, in a variation: its parameter makes it jump
 LOST = 1e-3  # relative error from which a derivative is given up
@@ -109,6 +109,7 @@ class Sensitivities(Listener):
         assert run.system is not None
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
+        self._sizes = np.zeros(len(self._fields))
         self._begun, self._made = False, -1
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
@@ -127,9 +128,10 @@ class Sensitivities(Listener):
         self.steps[-1].append((run.state.time, run.stepper.at_must_point))
         if not run.newton.augments:
             self._follow(run)
+        far = JUMP * np.linalg.norm(_unknowns(run))
         for v in self.live:
             v.end()
-            if np.linalg.norm(v.delta * v.grown) > JUMP * np.linalg.norm(_unknowns(run)):
+            if abs(v.delta) * np.linalg.norm(v.grown) > far:
                 v.lost = f"the answer jumps with the parameter, at time {run.state.time:g}"
         self._begun = False
 
@@ -175,6 +177,8 @@ class Sensitivities(Listener):
         assert run.system is not None
         R, U, inverse = run.system.residual()[run.newton.rows], _unknowns(run), run.newton.inverse
         fresh, self._made = inverse.made != self._made, inverse.made
+        # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
+        self._sizes = np.maximum(self._sizes, [np.linalg.norm(U[own]) for own in self._fields])
         pairs, active = _Pairs(U), {v: _Search(v, v.usual if fresh else 1.0) for v in self.live}
         for _ in range(MOST):
             found = _each(active, lambda v: (v.look() - R) / v.delta)
@@ -184,7 +188,7 @@ class Sensitivities(Listener):
                     pairs.add(active[v].u, active[v].y - y, v.delta)
                 active[v].y = y
             for v in found:
-                w, y = self._weights(v, active[v].y, U), active[v].y
+                w, y = self._weights(v, active[v].y), active[v].y
                 active[v].correct(pairs.corrected(y, w), float(np.linalg.norm(w * y)))
                 if active[v].ended(self.tolerance) and fresh:
                     v.usual = active[v].rate
@@ -196,11 +200,11 @@ class Sensitivities(Listener):
                 v.lost = f"its equations are not solved to better than {search.left[-1]:.2g}, at time {v.state.time:g}"
         _each(self.live, Variation.stay)
 
-    def _weights(self, v: Variation, y: Floats, U: Floats) -> Floats:
+    def _weights(self, v: Variation, y: Floats) -> Floats:
         """Weights (row,) that make the norm of a correction relative, field by field."""
         x, w, least = v.grown + v.x + y, np.zeros(len(y)), NOISE / self.tolerance / abs(v.delta)
-        for own in self._fields:
-            size = max(float(np.linalg.norm(x[own])), least * float(np.linalg.norm(U[own])))
+        for own, whole in zip(self._fields, self._sizes):
+            size = max(float(np.linalg.norm(x[own])), least * whole)
             w[own] = 1.0 / size if size > 0.0 else 0.0
         return w
 

@@ -65,6 +65,8 @@ def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
               help="Keep factorisations over time steps, or renew them where FEBio does.")
 @click.option("--accuracy", type=Finite(0.0, 0.1), default=0.0, show_default="the file's steps",
               help="Steps of second order and of their own size, of this relative error each (transient, with fluids).")
+@click.option("--tolerance", type=Finite(0.0, 0.1), default=0.0, show_default="the file's dtol, ptol, ctol",
+              help="Relative increment of every field at which iterations may end, where the file's is larger.")
 @click.option("--stabilise", is_flag=True, help="Steady the pressure where steps are too small for the mesh.")
 @click.option("--data-anywhere", is_flag=True,
               help="Let the model write data files outside the folder of the log.")
@@ -77,7 +79,7 @@ def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: Path | None, plot: Path | None, optimise: Path | None, silent: bool,
-    threads: int, linear: str, memory: float, factor: str, accuracy: float, stabilise: bool, data_anywhere: bool,
+    threads: int, linear: str, memory: float, factor: str, accuracy: float, tolerance: float, stabilise: bool, data_anywhere: bool,
     checkpoint: str, resume: bool, changed: bool, start: str, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
@@ -110,7 +112,7 @@ def command(
     said: list[str] = []
     earlier = stamp(plot_path)
     result = solve(
-        m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy,
+        m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy, tolerance=tolerance,
         stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append, data_anywhere=data_anywhere,
         checkpoint=checkpoint, resume=resume, changed=changed, start=start,
     )  # fmt: skip

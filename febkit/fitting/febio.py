@@ -46,6 +46,10 @@ class Followed:
         rows, own = self.rows(settings, ends)
         return Made(np.asarray(self.objective.evaluate(rows)), own)
 
+    def tighten(self, much: bool = True) -> bool:
+        """FEBio's fits take the file's tolerances."""
+        return False
+
     def rows(self, settings: Mapping[str, float], ends: Sequence[float] | None = None) -> tuple[Floats, list[float]]:
         """(state, probe) what is followed of a run, and the ends of its time steps."""
         from febkit.solving import solve

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -19,6 +19,7 @@ LEAST, GOOD = 1e-3, 0.25  # what part of the promise a step keeps to be taken, a
 SHRINK = 0.5
 SECANT = 0.75  # what part of it a step keeps for secants to do
 HOLDS = 4  # times that time steps are held anew
+NEAR = 0.1  # standard errors: what time steps of its own would move a fit by, where they are not held anew
 HEAVY = 1e6  # weight of linear constraints beside data
 
 
@@ -43,7 +44,7 @@ class Tolerance:
 
 def steadied(problem: Problem, solve: Callable[[Floats | None], Ended], start: Floats | None = None) -> Ended:
     """What ``solve`` comes to from a start with the time steps held that runs take there, then from where it came to,
-    until runs take these steps there by themselves."""
+    until runs take these steps there by themselves, or others that make no difference beside the data's noise."""
     p = problem.parameters
     z = np.clip(p.start if start is None else start, p.low, p.high)
     problem.hold_steps(z)
@@ -51,8 +52,19 @@ def steadied(problem: Problem, solve: Callable[[Floats | None], Ended], start: F
     for _ in range(HOLDS):
         if not problem.hold_steps(ended.z):
             break
+        J = problem.jacobian(ended.z) if ended.J is None or problem.brings_derivatives(ended.z) else ended.J
+        if ended.converged and _near(problem, ended.z, J):
+            return replace(ended, J=J)
         ended = solve(ended.z)
     return ended
+
+
+def _near(problem: Problem, z: Floats, J: Floats) -> bool:
+    """Is the best that derivatives J promise within NEAR standard errors of z? Of s^2 = |r|^2 / (m - n) the sum of
+    squares would fall by NEAR^2 at most."""
+    r, spare = problem.residuals(z), J.shape[0] - J.shape[1]
+    promised = r @ r - np.sum((r + J @ _step(problem.parameters, z, r, J, 0.0, math.inf, None)) ** 2)
+    return bool(spare > 0 and promised * spare <= NEAR**2 * (r @ r))
 
 
 def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Floats | None = None,
@@ -83,6 +95,9 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
         new = problem.residuals(trial)
         gain = (r @ r - new @ new) / (r @ r - np.sum((r + J @ d) ** 2))
         if not gain > LEAST:  # nan too, where the model fails
+            if fresh and math.isfinite(gain) and problem.tighten(z):
+                r, J = problem.residuals(z), problem.jacobian(z)
+                continue
             reach = SHRINK * float(np.abs(d).max())
             if fresh or not math.isfinite(gain):
                 damping *= 10.0

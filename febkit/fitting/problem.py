@@ -57,6 +57,9 @@ class Experiment(Protocol):
         """What the model shows with these values at its paths; ``ends``: time steps that it takes, of another run;
         ``beside``: for a difference, of which derivatives are not asked. Raises Failed where it does not solve."""
 
+    def tighten(self, much: bool = True) -> bool:
+        """Solve to tighter tolerances from here on, or to the model's own again; False where that changes nothing."""
+
 
 @dataclass(frozen=True, slots=True)
 class Trial:
@@ -118,6 +121,19 @@ class Problem:
         self._known = {z.tobytes(): made}
         self.best = self._trial(z, made)
         return True
+
+    def tighten(self, z: Floats) -> bool:
+        """Have models solved to tighter tolerances from here on; False where all are, or do not solve to them at z."""
+        changed = [e for e in self.experiments if e.tighten()]
+        if not changed:
+            return False
+        known, best = self._known, self.best
+        self._known, self.best = {}, None
+        if self._made(z) is None:
+            self._known, self.best = known, best
+            for e in changed:
+                e.tighten(False)
+        return self._known is not known
 
     def _made(self, z: Floats) -> list[Made] | None:
         key = z.tobytes()

@@ -79,7 +79,7 @@ def model(folder: Path, name: str, tight: float, threads: int, finer: list[int],
     from febkit.solver.options import Options
     from febkit.solver.run import run
 
-    m = febkit.read(folder / "models" / f"{name}.feb")
+    m = febkit.read(folder / "models" / f"{name}.feb").record
     stored = np.load(folder / "reference" / f"{name}.npz")
     times = stored["times"]
 

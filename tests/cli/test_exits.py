@@ -94,6 +94,7 @@ CASES = [
     ("run plug.feb --threads -3", 2, "-3 is not in the range"),
     ("run plug.feb --linear mumps", 2, "mumps"),
     ("run plug.feb --accuracy 2", 2, "2"),
+    ("run plug.feb --tolerance 1", 2, "1"),
     ("run plug.feb --memory nan", 2, "finite"),
     ("run plug.feb --resume", 2, "there is no checkpoint"),
     ("run plug.feb --changed", 2, "--resume"),

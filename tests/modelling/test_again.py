@@ -143,3 +143,18 @@ def test_graphs_that_are_kept_are_few() -> None:
     first = [chain(n) for n in range(2, 25)][-1]
     assert len(graphs._held) == 8
     assert first is chain(24) and first is not chain(24, symmetric=False)
+
+
+def test_a_tolerance_asks_for_more_than_the_file() -> None:
+    m = febkit.Model("solid")
+    m.add_block("block", (1, 1, 1), (2, 2, 2))
+    m.materials["m"] = febkit.materials.NeoHookean(E=1, v=0.3)
+    m.fix(m.nodes(z="min"), "x", "y", "z")
+    m.node_sets["top"] = m.nodes(z="max")
+    m.prescribe("top", z=0.3, x=0.2)
+    m.step(time=1, dt=0.5)
+    loose, same, tight, best = (m.solve(tolerance=t) for t in (0.0, 0.05, 1e-5, 1e-10))
+    assert np.array_equal(loose.state.u, same.state.u), "the file's own is smaller"
+    off = [float(np.abs(r.state.u - best.state.u).max()) for r in (loose, tight)]
+    assert off[1] < 1e-13 < 1e-12 < off[0]
+    assert loose.totals.iterations < tight.totals.iterations < best.totals.iterations
