@@ -81,7 +81,7 @@ def test_derivatives_of_a_result(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_derivatives_of_a_model_that_comes_to_rest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its pressure fades to rounding, which no balance gets below; the derivatives that are left are those of the rest."""
+    """Its pressure fades to rounding, which no balance gets below; what is left are derivatives of the rest."""
     m = febkit.Model("biphasic")
     m.add_block("plug", (1, 1, 1), (2, 1, 1))
     m.materials["cartilage"] = mt.Biphasic(solid=mt.NeoHookean(E=0.6, v=0.1), phi0=0.2,
