@@ -22,7 +22,7 @@ class Options:
     (so that no saved time depends on iteration counts).
     accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
     runs with a fluid; 0, the file's steps.
-    tolerance: relative increment of every field at which an iteration may end, where the file's is larger; 0, the file's.
+    tolerance: relative increment of every field at which iterations may end, where the file's is larger; 0, the file's.
     stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
     Raises ValueError for what is none of these.
     """

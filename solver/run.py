@@ -294,7 +294,7 @@ class Run:
         return route
 
     def _newton_options(self) -> NewtonOptions:
-        """Those of the file; increments are as small as they are asked for, and as the error of steps of their own size."""
+        """Those of the file; increments are as small as asked for, and as the error of steps of their own size."""
         o, asked = self.step.newton, [t for t in (self.options.accuracy, self.options.tolerance) if t]
         if not asked:
             return o

@@ -79,8 +79,8 @@ def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
 @click.option("-v", "--verbose", is_flag=True, help="Print every warning and where the time went.")
 def command(
     model: str | None, input_: str | None, log: Path | None, plot: Path | None, optimise: Path | None, silent: bool,
-    threads: int, linear: str, memory: float, factor: str, accuracy: float, tolerance: float, stabilise: bool, data_anywhere: bool,
-    checkpoint: str, resume: bool, changed: bool, start: str, verbose: bool,
+    threads: int, linear: str, memory: float, factor: str, accuracy: float, tolerance: float, stabilise: bool,
+    data_anywhere: bool, checkpoint: str, resume: bool, changed: bool, start: str, verbose: bool,
 ) -> None:
     """Solve MODEL and write its plotfile (.xplt) and log beside it.
 

@@ -116,7 +116,7 @@ class Measured:
         return None if fixed and meet is None else times.tolist()
 
     def tighten(self, much: bool = True) -> bool:
-        """Solve to TIGHT from here on, so that curves follow parameters as derivatives have it; or as asked for again."""
+        """Solve to TIGHT from here on, so that curves follow parameters as derivatives have it; or as asked again."""
         asked = self._asked or 1.0
         before, self.options["tolerance"] = self.options["tolerance"] or 1.0, min(asked, TIGHT) if much else self._asked
         return bool(before != (self.options["tolerance"] or 1.0))

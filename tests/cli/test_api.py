@@ -32,7 +32,8 @@ def test_solve_takes_a_path(model: Path) -> None:
     ({"linear": "mumps"}, "linear = 'mumps' is none of auto, pardiso, superlu, dense, iterative"),
     ({"factor": "sometimes"}, "factor = 'sometimes' is none of auto, fresh, reuse"),
     ({"threads": -3}, "threads = -3: give a whole number"), ({"threads": 1.5}, "threads = 1.5"),
-    ({"accuracy": 2}, "accuracy = 2: give a number of 0 to 0.1"), ({"tolerance": 1}, "tolerance = 1: give a number"), ({"accuracy": float("nan")}, "accuracy = nan"),
+    ({"accuracy": 2}, "accuracy = 2: give a number of 0 to 0.1"),
+    ({"tolerance": 1}, "tolerance = 1: give a number"), ({"accuracy": float("nan")}, "accuracy = nan"),
     ({"memory": -1.0}, "memory = -1.0"), ({"stabilise": float("inf")}, "stabilise = inf"),
     ({"plotfile": ""}, "needs a name"),
 ])  # fmt: skip
