@@ -6,7 +6,6 @@ FEBKIT_MUTATIONS sets how many of each kind, FEBKIT_SEED the seed.
 from __future__ import annotations
 
 import os
-import resource
 import struct
 import time
 import traceback
@@ -26,7 +25,7 @@ from febkit.results.summary import summarize
 from febkit.results.xplt.objects import ObjectState, PlotObject, section, state
 from febkit.results.xplt.records import PlotVariable
 from febkit.results.xplt.writer import PlotWriter
-from helpers import mutate_plot
+from helpers import memory, mutate_plot
 from helpers.mutants import TooLong, watchdog
 
 COUNT = int(os.environ.get("FEBKIT_MUTATIONS", "100"))  # per kind of file
@@ -93,7 +92,7 @@ def test_damaged_files(tmp_path: Path, make_modern, random_plot, way: str, packe
     path, good = tmp_path / "a.xplt", tmp_path / "good.xplt"
     good.write_bytes(plain[0][0])
     seen: Counter[str] = Counter()
-    slowest = 0.0
+    slowest, before = 0.0, memory.begin()
     for k in range(COUNT):
         raw, order = plain[int(rng.integers(len(plain)))]
         if way == "deep":
@@ -110,11 +109,11 @@ def test_damaged_files(tmp_path: Path, make_modern, random_plot, way: str, packe
             (kept.with_suffix(".txt")).write_text(traceback.format_exc())
             seen["wrong"] += 1
         slowest = max(slowest, time.process_time() - start)
-    print(way, packed, dict(seen), f"slowest {slowest:.2f} s,",
-          f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1000} MB")  # fmt: skip
+    more = memory.peak() - before  # kB
+    print(way, packed, dict(seen), f"slowest {slowest:.2f} s, {more // 1000} MB")
     assert not seen["wrong"], sorted(tmp_path.glob("bad_*.txt"))[0].read_text()
     assert slowest < LONGEST
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1_000_000  # kB
+    assert more < 1_000_000
     assert seen["refused"] > COUNT // 20 and seen["read"] + seen["warned"] > COUNT // 20, seen
 
 
@@ -135,8 +134,8 @@ def test_a_bomb_is_bounded_by_its_size(tmp_path: Path, make_modern) -> None:
     plain = make_modern(states=0)
     bomb = struct.pack("<II", 0x02000000, 10) + bytes(200_000_000)
     (tmp_path / "a.xplt").write_bytes(plain + zlib.compress(bomb, 9))
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     del bomb
+    before = memory.begin()
     with pytest.raises(InputError, match="compressed data is no state"):
         results.open(tmp_path / "a.xplt")
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000
+    assert memory.peak() - before < 50_000
