@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 DAMPING, LARGEST = 1e-3, 1e6  # Marquardt's, at first and at last
 LEAST, GOOD = 1e-3, 0.25  # what part of the promise a step keeps to be taken, and for its derivatives to be believed
 SHRINK = 0.5
+LATE = 0.1  # of the sum of squares: where less is promised, and not kept, it may be for the model's tolerances
 SECANT = 0.75  # what part of it a step keeps for secants to do
 HOLDS = 4  # times that time steps are held anew
 NEAR = 0.1  # standard errors: what time steps of its own would move a fit by, where they are not held anew
@@ -83,7 +84,7 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
     r = problem.residuals(z)
     if not np.isfinite(r).all():
         raise Stopped(f"the model does not solve at its starting values: {problem.why}")
-    damping, reach, J, fresh = DAMPING, math.inf, problem.jacobian(z), True
+    damping, reach, J, fresh, refused = DAMPING, math.inf, problem.jacobian(z), True, 0
     for _ in range(most):
         d = _step(p, z, r, J, damping, reach, plane)
         if settled(r, z, J, d, tolerance):
@@ -93,9 +94,12 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
             continue
         trial = np.clip(z + d, p.low, p.high)
         new = problem.residuals(trial)
-        gain = (r @ r - new @ new) / (r @ r - np.sum((r + J @ d) ** 2))
+        promised = r @ r - np.sum((r + J @ d) ** 2)
+        gain = (r @ r - new @ new) / promised
         if not gain > LEAST:  # nan too, where the model fails
-            if fresh and math.isfinite(gain) and problem.tighten(z):
+            refused += fresh
+            late = refused > 1 or promised < LATE * (r @ r)
+            if fresh and late and math.isfinite(gain) and problem.tighten(z):
                 r, J = problem.residuals(z), problem.jacobian(z)
                 continue
             reach = SHRINK * float(np.abs(d).max())
@@ -106,6 +110,7 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
             else:
                 J, fresh = problem.jacobian(z), True
             continue
+        refused = 0
         damping *= 0.1 if gain > GOOD else 1.0
         reach *= 2.0 if gain > GOOD else 1.0
         J, fresh = J + np.outer(new - r - J @ d, d) / (d @ d), False
