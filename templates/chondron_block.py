@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from .cell_cube import block, named, volume_report
 from .cells import Chondron, make_chondrons, rotations
-from .ogrid import block_nodes, pattern, unit
 from .parts import Parts
+from .places import steps
+from .quality import volumes
 from .superellipsoids import Superellipsoid
 
 
@@ -21,6 +23,11 @@ class ChondronBlock:
     chondron: Chondron
     whole: Superellipsoid
 
+    def report(self) -> dict[str, float]:
+        """Volume fractions and thickness of the PCM."""
+        meshed = sum(float(volumes(self.mesh.X, *part).sum()) for part in self.mesh.parts.values())
+        return volume_report(self.mesh, [self.chondron], self.whole.volume, meshed)
+
 
 def chondron_block(p: dict[str, Any]) -> ChondronBlock:
     """Build the block from the template's parameters (see templates/chondron/template.toml).
@@ -30,11 +37,8 @@ def chondron_block(p: dict[str, Any]) -> ChondronBlock:
     chondron = make_chondrons(p | {"orientation": "aligned"}, 1, np.random.default_rng(int(p["seed"])))[0]
     enlarged = (1.0 - float(p["ecm_share"])) ** (-1.0 / 3.0)
     whole = replace(chondron.pcm, semi_axes=chondron.pcm.semi_axes * enlarged)
-    nx, ny, nz = (int(m) for m in p["divisions"])
+    nx, ny, nz = (int(m) for m in np.array(p["divisions"]) * steps([chondron])[0])
     a, b, c = (int(m) for m in p["layers"])
-    grid = pattern((nx, ny, nz), (a, b, c))
-    skin = whole.surface(unit(grid.parameters[grid.skin]))
-    X = np.concatenate([block_nodes(grid, np.zeros(3), chondron, skin, float(p["growth"])), skin])
+    made = block(chondron, (nx, ny, nz), (a, b, c), np.zeros(3), whole, float(p["growth"]))
     R = rotations(1, p["orientation"], np.random.default_rng(int(p["seed"])))[0]
-    parts = {"ecm": ("hex8", grid.ecm), "pcm_1": ("hex8", grid.pcm), "cell_1": ("hex8", grid.cell)}
-    return ChondronBlock(Parts(X @ R.T, parts), chondron, whole)
+    return ChondronBlock(Parts(made.X @ R.T, named(made.ecm, [made.pcm], list(made.cells))), chondron, whole)

@@ -58,7 +58,7 @@ def _cell(p: dict[str, Any]) -> Generated:
     if p.get("mesh_file"):
         return _from_file(p)
     cube = cell_cube(p)
-    more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres}
+    more: dict[str, Any] = {"cells": sum(len(c.cells) for c in cube.cells), "centres": cube.places.centres}
     return _finished(_enclosed(cube.mesh, p), more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
@@ -70,19 +70,18 @@ def _embedded(p: dict[str, Any]) -> Generated:
         return _from_file(p)
     whole = embedded_cube(p)
     cube = whole.inner
-    more: dict[str, Any] = {"cells": len(cube.cells), "centres": cube.places.centres,
+    more: dict[str, Any] = {"cells": sum(len(c.cells) for c in cube.cells), "centres": cube.places.centres,
                             "nodes of the cell cube": len(cube.mesh.X)}
     return _finished(_enclosed(whole.mesh, p), more | volume_report(cube.mesh, cube.cells, cube.edge**3))
 
 
 def _chondron(p: dict[str, Any]) -> Generated:
-    from .cell_cube import volume_report
     from .chondron_block import chondron_block
 
     if p.get("mesh_file"):
         return _from_file(p)
     block = chondron_block(p)
-    return _finished(_enclosed(block.mesh, p), volume_report(block.mesh, [block.chondron], block.whole.volume))
+    return _finished(_enclosed(block.mesh, p), block.report())
 
 
 def _cartilage(p: dict[str, Any]) -> Generated:

@@ -9,6 +9,7 @@ lies off the PCM's middle, lines join points of one direction, so the PCM's node
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,6 +19,7 @@ from febkit.model.mesh import Floats, Ints
 
 from .cells import Chondron
 from .lattice import grown, hexahedra, in_file_order, node_lattice, skin_index, skin_quads, spaced
+from .parts import joined
 
 # share of the cell's radius that the core takes, and how round the core's skin is (0 cube, 1 sphere)
 CORE, ROUND = 0.5, 0.52
@@ -55,8 +57,8 @@ def pattern(size: tuple[int, int, int], layers: tuple[int, int, int]) -> Pattern
     shells = [grown(a, b) for a, b in pairwise(levels)]
     first, second = layers[0], layers[0] + layers[1]
     cell = np.concatenate([in_file_order(hexahedra(ids)), *shells[:first]])
-    return Pattern(np.tan(np.pi / 4.0 * s), skin, layers, cell, np.concatenate(shells[first:second]),
-                   np.concatenate(shells[second:]))
+    return Pattern(np.tan(np.pi / 4.0 * s), skin, layers, cell, joined(shells[first:second], 8),
+                   joined(shells[second:], 8))
 
 
 def core_nodes(t: Floats, share: float = CORE, rounding: float = ROUND) -> Floats:
@@ -85,8 +87,13 @@ def block_nodes(p: Pattern, centre: Floats, chondron: Chondron, box: Floats, rat
     core = chondron.cell.surface(directions, core_nodes(p.parameters))
     n = directions[p.skin]
     stations = [core[p.skin], chondron.cell.surface(n), chondron.pcm.surface(n), box - centre]
-    levels = []
-    for a, b, count, r in zip(stations[:-1], stations[1:], p.layers, (1.0, 1.0, ratio), strict=True):
-        levels += [(1.0 - f) * a + f * b for f in spaced(0.0, 1.0, count, r)[1:]]
-    x: Floats = centre + np.concatenate([core, *levels[:-1]])
+    x: Floats = centre + np.concatenate([core, *between(stations, p.layers, (1.0, 1.0, ratio))[:-1]])
     return x
+
+
+def between(stations: Sequence[Floats], layers: Sequence[int], ratios: Sequence[float]) -> list[Floats]:
+    """Levels of nodes from each station to the next, the last of them the last station, the first left out."""
+    levels = []
+    for a, b, count, r in zip(stations[:-1], stations[1:], layers, ratios, strict=True):
+        levels += [(1.0 - f) * a + f * b for f in spaced(0.0, 1.0, count, r)[1:]]
+    return levels

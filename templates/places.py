@@ -33,21 +33,36 @@ def half_extents(chondrons: Sequence[Chondron]) -> Floats:
 def block_sizes(cells: Sequence[Chondron], h: float, block: int, room: float) -> Ints:
     """Background elements that each block spans (cell, 3): ``block``, or for 0 the least with room.
 
-    A block's half edge is at least ``room`` times the PCM's half extent.
+    A block's half edge is at least ``room`` times the PCM's half extent, about a row at least that of its width more.
     """
     if block:
-        return np.full((len(cells), 3), block, dtype=np.int64)
-    least = np.ceil(2.0 * room * half_extents(cells) / h - 1e-9)
-    return np.maximum(least, 3).astype(np.int64)
+        return block * steps(cells)
+    half = half_extents(cells)
+    rows = steps(cells)
+    ends = (rows > 1).any(axis=1, keepdims=True)
+    half = np.where(ends, half + (room - 1.0) * half.min(axis=1, keepdims=True), room * half)
+    least = np.ceil(2.0 * half / h / rows - 1e-9)
+    return (np.maximum(least, 3) * rows).astype(np.int64)
 
 
-def _fit(centre: Floats, size: Ints, extent: Floats, edge: float, n: int, least: float,
-         exact: bool) -> tuple[Floats, Ints]:
-    """The block around a centre, and the centre moved (unless ``exact``) to keep the least gap."""
+def steps(cells: Sequence[Chondron]) -> Ints:
+    """What each block's sizes (cell, 3) are multiples of: along a row, its number of cells."""
+    return np.array([[len(c.cells) if a == c.column else 1 for a in range(3)] for c in cells], dtype=np.int64)
+
+
+def needed(cells: Sequence[Chondron], least: float) -> Floats:
+    """Half edges (cell, 3) of the smallest block with the least gap, which goes by a row's width."""
+    half = half_extents(cells)
+    rows = (steps(cells) > 1).any(axis=1, keepdims=True)
+    return np.where(rows, half + least * half.min(axis=1, keepdims=True), half * (1.0 + least))
+
+
+def _fit(centre: Floats, size: Ints, half: Floats, edge: float, n: int, exact: bool) -> tuple[Floats, Ints]:
+    """The block around a centre, and the centre moved (unless ``exact``) so that ``half`` lies inside."""
     h = edge / n
     start = np.rint((centre + edge / 2.0) / h - size / 2.0).astype(np.int64)
     middle = (start + size / 2.0) * h - edge / 2.0
-    slack = size * h / 2.0 - extent * (1.0 + least)
+    slack = size * h / 2.0 - half
     off = centre - middle
     if exact:
         return (centre, start) if (np.abs(off) <= slack + 1e-12).all() else (centre, start * 0 - 1)
@@ -70,11 +85,11 @@ def place_at_random(cells: Sequence[Chondron], size: Ints, edge: float, n: int, 
 
     Centres are uniform in the cube; a cell whose place is taken draws again.
     """
-    count, extents, h = len(cells), half_extents(cells), edge / n
-    if (size * h / 2.0 < extents * (1.0 + least) - 1e-12).any():
+    count, half, h = len(cells), needed(cells, least), edge / n
+    if (size * h / 2.0 < half - 1e-12).any():
         raise InputError(f"a block of {int(size.min())} background elements of {h:.4g} is too small for a "
-                         f"cell with its PCM of half size {extents.max():.4g}; raise block (or leave it 0), "
-                         "or lower n")
+                         f"cell with its PCM, which needs half a size of {half.max():.4g}; raise block (or leave "
+                         "it 0), or lower n")
     order = np.argsort(-size.prod(axis=1), kind="stable")
     for _ in range(RESTARTS if size.prod(axis=1).sum() <= (n - 2 * margin) ** 3 else 0):
         centres, start = np.zeros((count, 3)), np.zeros((count, 3), dtype=np.int64)
@@ -82,7 +97,7 @@ def place_at_random(cells: Sequence[Chondron], size: Ints, edge: float, n: int, 
             seen = order[:done]
             for _ in range(TRIES):
                 drawn = rng.uniform(-edge / 2.0, edge / 2.0, 3)
-                centres[c], start[c] = _fit(drawn, size[c], extents[c], edge, n, least, exact=False)
+                centres[c], start[c] = _fit(drawn, size[c], half[c], edge, n, exact=False)
                 apart = _free(start[c], size[c], start[seen], size[seen])
                 if apart and _inside(start[c], size[c], n, margin):
                     break
@@ -101,13 +116,13 @@ def place_at(cells: Sequence[Chondron], centres: Any, size: Ints, edge: float, n
     at = np.asarray(centres, dtype=float)
     if at.shape != (len(cells), 3):
         raise InputError(f"centres must hold {len(cells)} points x, y, z, not shape {at.shape}")
-    extents, size = half_extents(cells), size.copy()
+    half, size, step = needed(cells, least), size.copy(), steps(cells)
     start = np.zeros_like(size)
     for c in range(len(cells)):
         for more in range(3):
-            _, start[c] = _fit(at[c], size[c] + more, extents[c], edge, n, least, exact=True)
+            _, start[c] = _fit(at[c], size[c] + more * step[c], half[c], edge, n, exact=True)
             if start[c].min() >= 0:
-                size[c] += more
+                size[c] += more * step[c]
                 break
         if not _inside(start[c], size[c], n, max(margin, 0)):
             raise InputError(f"cell {c + 1} at {at[c].tolist()} does not fit in the cube of edge {edge}: its "

@@ -81,11 +81,12 @@ def _interfaces(names: list[str], facets: list[Facets]) -> dict[str, dict[str, I
     number = {name: i for i, name in enumerate(names)}
     found = {}
     for name, i in number.items():
-        role, _, which = name.partition("_")
+        role = name.partition("_")[0]
         if role == "cell":
             found[f"{name}_surface"] = select(facets, np.array([i]))
         elif role == "pcm":
-            within = [i] + [number[c] for c in (f"cell_{which}",) if c in number]
+            beside = np.unique(np.concatenate([f.outside[f.inside == i] for f in facets])).tolist()
+            within = [i] + [k for k in beside if k >= 0 and names[k].startswith("cell")]
             found[f"{name}_surface"] = select(facets, np.array(within))
     if "tissue" in number and len(names) > 1:
         inner = np.array([i for n, i in number.items() if n != "tissue"])

@@ -91,12 +91,14 @@ def directions(count: int = 600) -> Floats:
     return np.concatenate([np.eye(3), -np.eye(3), spiral])
 
 
-def gap(inner: Superellipsoid, outer: Superellipsoid) -> tuple[float, float]:
+def gap(inner: Superellipsoid, outer: Superellipsoid, away: Floats) -> tuple[float, float]:
     """Least and largest distance from the inner surface to the outer one along rays from the inner centre.
 
-    Negative where the inner body sticks out. Measured in 606 directions, to 1e-12 of the bodies' size.
+    Rays that go against the vector ``away`` are left out. Negative where the inner body sticks out. Measured in 606
+    directions, to 1e-12 of the bodies' size.
     """
     n = directions()
+    n = n[n @ away >= 0.0]
     from_inner = inner.surface(n) - inner.centre
     length = np.linalg.norm(from_inner, axis=1)
     ray = from_inner / length[:, None]

@@ -33,7 +33,8 @@ def body(axes: list[float], n: list[float], turn: np.ndarray | None = None) -> S
 
 
 def a_turn(seed: int) -> np.ndarray:
-    p = {"diameter": 1.0, "thickness": 1.0, "squareness": 2.0, "pcm_squareness": 0.0, "shift": 0.0}
+    p = {"diameter": 1.0, "thickness": 1.0, "squareness": 2.0, "pcm_squareness": 0.0, "shift": 0.0,
+         "group": 1, "column": "z", "spacing": 0.1, "seed": 0}  # fmt: skip
     return make_chondrons(p | {"orientation": "random"}, 1, np.random.default_rng(seed))[0].cell.rotation
 
 
