@@ -11,7 +11,7 @@ from febkit.model import ElementBlock, InputError, Mesh, NodeSet, Surface
 from febkit.model.mesh import Floats, Ints, SurfacePair
 
 from .course import course
-from .depth_fields import Fields, directions
+from .depth_fields import PLAIN, PLAIN_GROUND, Fields, directions
 from .expression import written
 from .indenter import indenter
 from .layer import Layer, layer
@@ -29,8 +29,8 @@ def cartilage(p: Mapping[str, Any]) -> Generated:
     wrong = [f for f in p["drained"] if f not in DRAINED]
     if wrong:
         raise InputError(f"drained: there is no face '{wrong[0]}'; faces are {', '.join(DRAINED)}")
-    made = layer(p)
-    fields = Fields(made, {n: profile(n, p[n]) for n in FIELDS}, p["fields"] == "formulas")
+    fields = _fields(p)
+    made = fields.layer
     materials = [_material(p, fields, part, k) for k, part in enumerate(made.parts, 1)]
     parts: dict[str, Ints] = dict(made.parts)
     X, surfaces = made.X, dict(made.surfaces)
@@ -50,14 +50,27 @@ def cartilage(p: Mapping[str, Any]) -> Generated:
         "depth": float(p["compression"]) * made.thickness,
         "count": steps, "first": load.times[-1] / steps,
     }  # fmt: skip
-    report = {"nodes": len(X), "elements": sum(map(len, parts.values())), "quality": quality} | {
-        name: f"{len(conn)} elements, depth {_range(made, name)}" for name, conn in made.parts.items()}
-    return Generated(_mesh(X, parts, surfaces, pressed), facts, report, tuple(fields.data))
+    zones = {z: tuple(n for n in made.parts if made.zone[n] == k) for k, z in enumerate(made.zones)}
+    report = {"nodes": len(X), "elements": sum(map(len, parts.values())), "quality": quality}
+    report |= {zone: _said(made, names) for zone, names in zones.items()}
+    lists = {"cartilage": tuple(made.parts)} | {z: names for z, names in zones.items() if z not in made.parts}
+    return Generated(_mesh(X, parts, surfaces, lists), facts, report, tuple(fields.data))
 
 
-def _range(made: Layer, part: str) -> str:
-    z = made.depth[part]
-    return f"{z.min():.3g} to {z.max():.3g} (centres)"
+def _fields(p: Mapping[str, Any]) -> Fields:
+    """The layer and its properties: cut into zones, or into layers of elements where a property asks for that."""
+    profiles = {n: profile(n, p[n]) for n in FIELDS}
+    plain = PLAIN + PLAIN_GROUND[p["ground"]]
+    fields = Fields(layer(p, p["parts"] == "layers"), profiles, p["fields"] == "formulas", plain)
+    if p["parts"] == "auto" and fields.bent():
+        fields.layer = layer(p, True)
+    return fields
+
+
+def _said(made: Layer, parts: tuple[str, ...]) -> str:
+    z = np.concatenate([made.depth[n] for n in parts])
+    cut = f" in {len(parts)} parts" if len(parts) > 1 else ""
+    return f"{len(z)} elements{cut}, depth {z.min():.3g} to {z.max():.3g} (centres)"
 
 
 def _material(p: Mapping[str, Any], f: Fields, part: str, number: int) -> dict[str, Any]:
@@ -101,7 +114,8 @@ def _held(p: Mapping[str, Any], surfaces: Mapping[str, Ints]) -> list[list[Any]]
     return out + [face for face in planes if face[0] in surfaces]
 
 
-def _mesh(X: Floats, parts: Mapping[str, Ints], surfaces: Mapping[str, Ints], pressed: bool) -> Mesh:
+def _mesh(X: Floats, parts: Mapping[str, Ints], surfaces: Mapping[str, Ints],
+          lists: Mapping[str, tuple[str, ...]]) -> Mesh:  # fmt: skip
     """The model's mesh, ids from 1 in order of the parts; each surface is a node set, too."""
     blocks, first = [], 1
     for name, conn in parts.items():
@@ -116,7 +130,7 @@ def _mesh(X: Floats, parts: Mapping[str, Ints], surfaces: Mapping[str, Ints], pr
         node_ids=np.arange(1, len(X) + 1), X=X, blocks=tuple(blocks),
         node_sets={k: NodeSet(k, v) for k, v in sets.items()},
         surfaces={k: Surface(k, {"quad4": v}, {"quad4": np.arange(1, len(v) + 1)}) for k, v in surfaces.items()},
-        surface_pairs={"contact": SurfacePair("contact", "top", "indenter_tip")} if pressed else {},
-        part_lists={"cartilage": tuple(n for n in parts if n != "indenter")},
+        surface_pairs={"contact": SurfacePair("contact", "top", "indenter_tip")} if "indenter" in parts else {},
+        part_lists=lists,
         node_blocks={"nodes": np.arange(len(X))},
     )  # fmt: skip

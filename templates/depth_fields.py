@@ -15,8 +15,9 @@ from .expression import written
 from .layer import Layer
 from .profile import Profile
 
-# FEBio 4.11 reads these of perm-Holmes-Mow as plain numbers
+# what FEBio 4.11 reads as one number for each material: of perm-Holmes-Mow, and of the ground where it is Holmes-Mow
 PLAIN = ("M", "alpha")
+PLAIN_GROUND = {"neo-Hookean": (), "Holmes-Mow": ("E", "v", "beta")}
 
 
 @dataclass(slots=True)
@@ -26,21 +27,27 @@ class Fields:
     layer: Layer
     profiles: Mapping[str, Profile]
     formulas: bool
+    plain: tuple[str, ...] = PLAIN
     data: list[MeshData] = field(default_factory=list)
 
     def text(self, name: str, part: str, mapped: bool = False) -> list[str]:
         """[type, text] of a property in a part; the type of a number is empty. ``mapped``: as a map in any case."""
         p = self.profiles[name].zone(self.layer.zone[part], len(self.layer.zones), name)
         values = p.at(self.layer.depth[part])
-        if not mapped and np.ptp(values) <= 1e-12 * np.abs(values).max():
+        if not mapped and _even(values):
             return ["", written(float(values[0]))]
-        if name in PLAIN:
-            raise InputError(f"{name} varies within the part {part}, and FEBio 4.11 takes one number for each "
-                             "material: give one number for each zone, or set parts = \"layers\" (a material for "
-                             "each layer of elements)")  # fmt: skip
+        if name in self.plain:
+            raise InputError(f"{name} varies within the part {part}, and FEBio 4.11 takes one number of it for each "
+                             "material: give one number for each zone, or leave parts to the template")
         if not mapped and self.formulas and p.rule == "linear" and self.layer.flat:
             return ["math", formula(p, self.layer.thickness)]
         return ["map", self.map(f"{name}_{part}", part, values[:, None])]
+
+    def bent(self) -> bool:
+        """Does a property vary within a part that must be one number there?"""
+        count = len(self.layer.zones)
+        return any(not _even(self.profiles[name].zone(self.layer.zone[part], count, name).at(depth))
+                   for name in self.plain for part, depth in self.layer.depth.items())
 
     def vector(self, names: Sequence[str], part: str) -> list[str]:
         """[type, text] of a parameter that takes several properties: numbers, formulas or maps, but one kind for
@@ -60,6 +67,10 @@ class Fields:
         self.data.append(MeshData("element", attrs.get("type", name), part, Component("ElementData", attrs=given),
                                   np.arange(1, len(rows) + 1), rows))
         return name
+
+
+def _even(values: Floats) -> bool:
+    return bool(np.ptp(values) <= 1e-12 * np.abs(values).max())
 
 
 def formula(p: Profile, thickness: float) -> str:

@@ -13,17 +13,17 @@ from febkit.model import InputError
 from febkit.model.mesh import Floats, Ints
 
 from .lattice import spaced
-from .plan import Plan, disc, rectangle
+from .plan import CORE, Plan, disc, rectangle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layer:
     """Nodes (node, 3), the articular surface at z = ``thickness`` and the bone at z = 0 (on the axis, where bent).
 
-    ``parts``: name -> hexahedra (element, 8), one part for each zone or for each layer of elements; ``zone``: which of
-    the ``zones`` (their names, from the surface down) a part is of. ``depth`` and ``frame``: of each part's elements,
-    the normalised depth of the centre (element,) and the local axes (element, 3, 3) with the third out of the
-    articular surface. ``surfaces``: name -> quads, outward.
+    ``parts``: name -> hexahedra (element, 8), one part for each zone or for each layer of elements;
+    ``zone``: which of the ``zones`` (their names, from the surface down) a part is of. ``depth`` and ``frame``: of each
+    part's elements, the normalised depth of the centre (element,) and the local axes (element, 3, 3) with the third out
+    of the articular surface. ``surfaces``: name -> quads, outward.
     """
 
     X: Floats
@@ -37,17 +37,31 @@ class Layer:
     flat: bool
 
 
-def layer(p: Mapping[str, Any]) -> Layer:
-    """Build the layer from the template's parameters (see templates/cartilage/template.toml)."""
+def layer(p: Mapping[str, Any], each: bool) -> Layer:
+    """Build the layer from the template's parameters (see templates/cartilage/template.toml).
+
+    ``each``: a part for each layer of elements instead of one for each zone.
+    """
     shape, H = str(p["shape"]), float(p["thickness"])
     if shape == "column":
         plan = rectangle((float(p["width"][0]), float(p["width"][1])), (int(p["across"][0]), int(p["across"][1])))
     else:
-        plan = disc(float(p["radius"]), int(p["core"]), int(p["rings"]), bool(p["quarter"]), float(p["ring_grading"]))
+        sizes = float(p["radius"]), int(p["core"]), int(p["rings"])
+        plan = disc(*sizes, bool(p["quarter"]), float(p["ring_grading"]), _share(p))
     zones = _bounds(p["zones"])
     depths = _planes(int(p["layers"]), float(p["grading"]), zones)
     bend = float(p["curvature"]) if shape == "curved" else 0.0
-    return _grown(plan, depths, _rows(depths, zones, p["parts"] == "layers"), zones, H, bend)
+    return _grown(plan, depths, _rows(depths, zones, each), zones, H, bend)
+
+
+def _share(p: Mapping[str, Any]) -> float:
+    """Share of the disc's radius that its core takes; under an indenter the core is no wider than that."""
+    R, core = float(p["radius"]), float(p["core_radius"])
+    if core >= 0.95 * R:
+        raise InputError(f"core_radius ({core:g} mm) leaves no room for rings: at most 0.95 of the radius ({R:g} mm)")
+    if core == 0.0:
+        core = CORE * R if p["pressed_by"] == "plate" else min(CORE * R, float(p["indenter_radius"]))
+    return core / R
 
 
 def _bounds(zones: Mapping[str, Any]) -> dict[str, tuple[float, float]]:

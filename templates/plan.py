@@ -33,18 +33,18 @@ def rectangle(size: tuple[float, float], n: tuple[int, int]) -> Plan:
     return Plan(np.stack([X.ravel(), Y.ravel()], axis=1), _quads(ids), {k: _chain(v) for k, v in lines.items()})
 
 
-def disc(radius: float, n: int, rings: int, quarter: bool, ratio: float = 1.0) -> Plan:
+def disc(radius: float, n: int, rings: int, quarter: bool, ratio: float = 1.0, share: float = CORE) -> Plan:
     """A disc around the origin, ``n`` elements from its centre to the edge of the core and ``rings`` around it.
 
-    ``ratio``: the outermost ring's width over the innermost's. ``quarter``: x, y >= 0 alone. Lines: ``rim``, of a
-    quarter also ``x_plane`` (x = 0) and ``y_plane`` (y = 0).
+    ``share``: of the radius, that the core takes. ``ratio``: the outermost ring's width over the innermost's.
+    ``quarter``: x, y >= 0 alone. Lines: ``rim``, of a quarter also ``x_plane`` (x = 0) and ``y_plane`` (y = 0).
     """
     low = 0 if quarter else -n
     at = np.arange(low, n + 1)
     ids = np.arange(len(at) ** 2).reshape(len(at), len(at)).T
     i, j = np.meshgrid(at, at, indexing="ij")
     t = np.tan(np.pi / 4.0 * in_file_order(np.stack([i, j], axis=-1)[:, :, None]) / n)
-    core = _core(t) * radius
+    core = _core(t) * radius * share
     edge = _outline(ids, quarter)
     angle = np.arctan2(*t[edge].T[::-1])
     rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -65,12 +65,12 @@ def disc(radius: float, n: int, rings: int, quarter: bool, ratio: float = 1.0) -
 
 
 def _core(t: Floats) -> Floats:
-    """The core of the unit disc, between a square and a disc."""
+    """A core of radius 1, between a square and a disc."""
     reach = np.abs(t).max(axis=1, keepdims=True)
     length = np.linalg.norm(t, axis=1, keepdims=True)
     ball = reach * t / np.where(length > 0.0, length, 1.0)
     w = ROUND * reach
-    x: Floats = CORE * ((1.0 - w) * t / np.sqrt(2.0) + w * ball)
+    x: Floats = (1.0 - w) * t / np.sqrt(2.0) + w * ball
     return x
 
 

@@ -89,8 +89,9 @@ def test_zones_are_parts_and_end_where_they_say() -> None:
     assert {d.block: d.material for d in model.domains} == {n: n for n in ends}
 
 
-def test_every_layer_may_be_a_part() -> None:
-    model = small(parts="layers", E=[[0.0, 1.0], [1.0, 2.0]], M=[[0.0, 4.0], [1.0, 6.0]])
+def test_every_layer_is_a_part_where_a_property_must_be_one_number() -> None:
+    model = small(E=[[0.0, 1.0], [1.0, 2.0]], M=[[0.0, 4.0], [1.0, 6.0]])
+    assert model.mesh.part_lists["deep"] == ("deep_1", "deep_2", "deep_3")
     assert len(model.materials) == len(model.mesh.blocks) == 10
     assert not model.mesh_data
     found = [m.need("solid").children[1].float("E") for m in model.materials]
@@ -149,14 +150,14 @@ def test_a_missing_map_among_three_is_named() -> None:
 
 
 def test_fibres_turn_with_depth_and_follow_the_surface() -> None:
-    model = small(fibres="families", azimuths=[0, 90], shape="curved", curvature=5.0, zones={"all": 1.0},
+    model = small(fibres="families", azimuths=[0, 90], shape="curved", curvature=5.0, core_radius=0.8, zones={"a": 1.0},
                   fibre_angle=[[0.0, 0.0], [1.0, 90.0]])  # fmt: skip
     X, block = model.mesh.X, model.mesh.blocks[0]
     normal = X[block.conn].mean(axis=1) - [0.0, 0.0, 1.0 - 5.0]
     depth = 1.0 - (np.linalg.norm(normal, axis=1) - 4.0)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     for k in (1, 2):
-        v = rows(model, f"fibre_{k}_all")
+        v = rows(model, f"fibre_{k}_a")
         assert np.allclose(np.linalg.norm(v, axis=1), 1.0)
         assert np.allclose(np.einsum("ei,ei->e", v, normal), np.sin(np.radians(90.0 * depth)), atol=0.02)
     assert len(model.materials[0].need("solid").all("solid")) == 3
@@ -243,15 +244,17 @@ def test_the_published_column_has_its_values_at_its_elements() -> None:
 
     template = load("cartilage")
     model, _ = template.build(template.values([parameters_file(EXAMPLE)]))
-    X, block = model.mesh.X, model.mesh.blocks[0]
-    assert len(block.conn) == 5 * 5 * 100 and np.ptp(X, axis=0) == pytest.approx([0.05, 0.05, 0.5])
-    z = X[block.conn, 2].mean(axis=1)
+    X, blocks = model.mesh.X, model.mesh.blocks
+    assert [len(b.conn) for b in blocks] == [25] * 100 and np.ptp(X, axis=0) == pytest.approx([0.05, 0.05, 0.5])
+    z = np.array([X[b.conn, 2].mean() for b in blocks])
     h = z / z.max()  # as its program measures heights
     knots = [0.0, 0.1119, 0.2229, 0.3339, 0.4449, 0.5559, 0.6669, 0.7779, 0.8889, 1.0]
     v = [0.35812, 0.35812, 0.31904, 0.27997, 0.24089, 0.20181, 0.16273, 0.12366, 0.08458, 0.08458]
-    assert np.allclose(rows(model, "v_cartilage")[:, 0], np.interp(h, knots, v), atol=1e-7)
+    found = [m.need("solid").children[1].float("v") for m in model.materials]
+    assert np.allclose(found, np.interp(h, knots, v), atol=1e-7)
     ksi3 = [2.8] * 5 + [2.0] * 3 + [1.6] * 2
-    assert np.allclose(rows(model, "ksi3_cartilage")[:, 0], np.interp(h, knots, ksi3), atol=1e-6)
+    found = [m.need("solid").children[2].need("ksi").as_floats(3)[2] for m in model.materials]
+    assert np.allclose(found, np.interp(h, knots, ksi3), atol=1e-6)
     assert conditions(model)["plate"].need("value").as_float() == pytest.approx(-0.025)
     assert [t for t, _ in model.controllers[1].points][-2:] == [4.5, 5.0]
 
@@ -261,12 +264,14 @@ def test_the_published_column_has_its_values_at_its_elements() -> None:
 @pytest.mark.parametrize(("given", "words"), [
     ({"E": [1.0, 2.0]}, "2 numbers and there are 3 zones"),
     ({"E": "nowhere.csv"}, "cannot read nowhere.csv"),
-    ({"M": [[0.0, 1.0], [1.0, 2.0]]}, "FEBio 4.11 takes one number for each material"),
+    ({"M": [[0.0, 1.0], [1.0, 2.0]], "parts": "zones"}, "FEBio 4.11 takes one number of it for each material"),
+    ({"E": [[0.0, 1.0], [1.0, 2.0]], "parts": "zones", "ground": "Holmes-Mow"}, "E varies within the part"),
     ({"zones": {}}, "at least one zone"), ({"zones": {"a": 0.5}}, "must end at depth 1"),
     ({"zones": {"a": 0.5, "b": 0.4}}, "b must end at a depth above 0.5"), ({"zones": {"a": "x"}}, "not 'x'"),
     ({"layers": 2}, "layers = 2: the superficial zone"), ({"shape": "curved", "curvature": 1.0}, "curvature = 1 mm"),
     ({"drained": ["left"]}, "no face 'left'"),
     ({"shape": "disc", "pressed_by": "cylinder", "edge_radius": 0.6}, "edge_radius"),
+    ({"shape": "disc", "core_radius": 1.5}, "no room for rings"),
     ({"E": [[0.0, 0.0], [1.0, 1.0]]}, "greater than 0"), ({"phi0": 1.0}, "less than 1"),
     ({"fibre_beta": 1.5}, "at least 2"),
     ({"times": [1.0, 2.0]}, "begin with 0"), ({"shape": "cone"}, "one of column, disc, curved"),
