@@ -237,6 +237,41 @@ def test_settled_tissue_is_strained_as_one_over_its_modulus() -> None:
         assert np.allclose(result.state.u[:, 2], expected, atol=1e-6)
 
 
+# what FEBio 4.11 finds for the files that the template writes
+TIGHT: dict[str, Any] = {"dtol": 1e-6, "etol": 1e-8, "ptol": 1e-6, "updates": 0}
+
+
+def test_maps_of_all_properties_as_febio_solves_them() -> None:
+    model = small(
+        times=[0.0, 50.0, 100.0, 200.0, 2200.0], **TIGHT, E=[[0, 0.3], [1, 0.9]], v=[[0, 0.05], [1, 0.3]],
+        k0=[[0, 4e-3], [1, 1e-3]], phi0=[[0, 0.1], [1, 0.3]], ksi1=[[0, 3], [1, 1]], ksi2=2.0, ksi3=[[0, 1], [1, 3]],
+        fibre_beta=[[0, 2.0], [1, 2.5]], zones={"a": 1.0}, compression=0.1,
+    )  # fmt: skip
+    ds = febkit.Model.of(model).solve().dataset.sel(time=[100.0, 200.0, 2200.0])
+    u = ds["displacement"].sel(xyz="z").values[:, ::5]
+    assert np.allclose(u, FEBIO_COLUMN, atol=2e-8)
+    p = ds["effective_fluid_pressure"].values[:, -1]
+    assert p == pytest.approx([7.0897058e-2, 0.11903536, 2.20843e-5], rel=1e-5)
+
+
+def test_indentation_as_febio_solves_it() -> None:
+    """Fibres in families whose directions and moduli vary with depth, under a plane-ended cylinder."""
+    model = small(
+        times=[0.0, 50.0, 100.0, 200.0, 300.0], **TIGHT, fibres="families", ksi=[[0, 3], [1, 1]], shape="disc",
+        quarter=True, pressed_by="cylinder", core=3,
+    )  # fmt: skip
+    ds = febkit.Model.of(model).solve().dataset
+    force = ds["rigid_force"].values[:, -1, -1]
+    assert force == pytest.approx([0.0, -0.00435821, -0.00812387, -0.01484996, -0.0114044], rel=2e-6, abs=1e-12)
+
+
+FEBIO_COLUMN = [
+    [-0.05, -0.03233062, -0.02157961, -0.01463041, -0.00673694, -0.00446601, -0.00283541, -0.00163786, 0.0],
+    [-0.1, -0.06999575, -0.05001595, -0.03610187, -0.01859254, -0.01293486, -0.00856075, -0.00511128, 0.0],
+    [-0.1, -0.08280963, -0.06818458, -0.05553136, -0.03468071, -0.02601203, -0.01830441, -0.01145027, 0.0],
+]
+
+
 # the published configuration
 
 def test_the_published_column_has_its_values_at_its_elements() -> None:
