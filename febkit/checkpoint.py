@@ -163,7 +163,7 @@ class Plan:
         asked, path = Every.of(every) if every else None, beside(plotfile)
         saved = read(path) if resume else None
         every = every or (saved.head["every"] if saved is not None else "")
-        kept = {n: getattr(options, n) for n in ("linear", "factor", "accuracy", "tolerance", "stabilise")}
+        kept = {n: getattr(options, n) for n in ("linear", "factor", "accuracy", "tolerance", "quasi", "stabilise")}
         head = {"febkit": __version__, "model": address(model), "mesh": _mesh(model), "options": kept, "every": every}
         exact = saved is None or _is_of(saved, head, changed)
         return cls(path, head, asked or Every.of(every), saved, exact)

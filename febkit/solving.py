@@ -31,6 +31,7 @@ def solve(
     factor: str = "auto",
     accuracy: float = 0.0,
     tolerance: float = 0.0,
+    quasi: bool = False,
     stabilise: float = 0.0,
     memory: float = 0.0,
     progress: bool = False,
@@ -53,6 +54,7 @@ def solve(
     take before "auto" turns to the iterative solver; 0 for what the machine has left.
     tolerance: relative increment of displacements, pressures, concentrations at which iterations may end, where the
     file's dtol, ptol, ctol are larger.
+    quasi: Broyden's updates where the file has full Newton: fewer factorisations, and the same answer to its tolerances.
     accuracy: relative error per step of steps of second order and of their own size, for transient models with
     fluids; 0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for
     the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.
@@ -78,7 +80,7 @@ def solve(
             raise ValueError("a plotfile or logfile needs a name; leave it out to have none written")
     options = Options(
         threads=threads, linear=linear, factor=factor, stabilise=stabilise, accuracy=accuracy, tolerance=tolerance,
-        memory=memory,
+        quasi=quasi, memory=memory,
     )  # fmt: skip
     again = getattr(model, "_again", None)
     model = _model(model)

@@ -81,7 +81,7 @@ class Newton:
     @property
     def full(self) -> bool:
         """Is the tangent renewed in every iteration?"""
-        return self.options.updates == 0 or self.options.method == "full Newton"
+        return self.options.full
 
     # ---- pieces -----------------------------------------------------------------------------------
     def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:

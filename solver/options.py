@@ -23,6 +23,7 @@ class Options:
     accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
     runs with a fluid; 0, the file's steps.
     tolerance: relative increment of every field at which iterations may end, where the file's is larger; 0, the file's.
+    quasi: Broyden's updates where the file has full Newton: fewer factorisations, the same answer to its tolerances.
     stabilise: tau of the pressure projection (:mod:`.kernels.projection`); 0, FEBio's elements; 1 is enough.
     Raises ValueError for what is none of these.
     """
@@ -33,6 +34,7 @@ class Options:
     stabilise: float = 0.0
     accuracy: float = 0.0
     tolerance: float = 0.0
+    quasi: bool = False
     memory: float = 0.0
 
     def __post_init__(self) -> None:

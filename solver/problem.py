@@ -122,6 +122,11 @@ class NewtonOptions:
     rho_inf: float = -2.0
 
     @property
+    def full(self) -> bool:
+        """Is the tangent renewed in every iteration?"""
+        return self.updates == 0 or self.method == "full Newton"
+
+    @property
     def between(self) -> bool:
         """Are forces of dynamic analyses taken before the step's end?"""
         return 0 <= self.rho_inf <= 1 or (self.rho_inf != -1 and self.alpha != 1.0)

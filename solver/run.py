@@ -295,7 +295,10 @@ class Run:
 
     def _newton_options(self) -> NewtonOptions:
         """Those of the file; increments are as small as asked for, and as the error of steps of their own size."""
-        o, asked = self.step.newton, [t for t in (self.options.accuracy, self.options.tolerance) if t]
+        o = self.step.newton
+        if self.options.quasi and o.full:
+            o = replace(o, method="Broyden", updates=max(o.updates, NewtonOptions.updates))
+        asked = [t for t in (self.options.accuracy, self.options.tolerance) if t]
         if not asked:
             return o
         most = min(asked)

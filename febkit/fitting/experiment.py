@@ -60,7 +60,7 @@ class Measured:
 
     def __init__(self, given: Experiment, name: str, options: Mapping[str, Any], exact: bool | None = None) -> None:
         self.name, self.options = name, {"tolerance": 0.0, **options}
-        self._asked = self.options["tolerance"]
+        self._asked, self._quick = self.options["tolerance"], False
         self.model = _model(given.model)
         for path, value in given.settings.items():
             self.model[path] = value
@@ -78,6 +78,7 @@ class Measured:
         self.known = given.sigma is not None
         self.at = self._times(given.meet)
         self.exact = self._differentiates(exact)
+        self._quick = self._is_full_newton()
         needed = self.observables if self.against is None else {**self.observables, " against": self.against}
         self.kept = variables(needed, self.model.record)
 
@@ -105,6 +106,12 @@ class Measured:
             return False
         return not self.options.get("accuracy") and not refusal(lower(self.model.record))
 
+    def _is_full_newton(self) -> bool:
+        """Does the model ask for full Newton throughout? Updates do as well, to tolerances that leave no trace of them."""
+        from febkit.lower import lower
+
+        return all(s.newton.full for s in lower(self.model.record).steps)
+
     def _times(self, meet: bool | None) -> list[float] | None:
         """Times that runs meet, None where they make their own."""
         times = np.unique(self.x)
@@ -122,6 +129,18 @@ class Measured:
         return bool(before != (self.options["tolerance"] or 1.0))
 
     def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None, beside: bool = False) -> Made:
+        if not self._quick:
+            return self._run(settings, ends, beside, self.options)
+        tolerance = min(self.options["tolerance"] or TIGHT, TIGHT)
+        try:
+            return self._run(settings, ends, beside, self.options | {"tolerance": tolerance, "quasi": True})
+        except Failed:
+            made = self._run(settings, ends, beside, self.options)
+            self._quick = False  # it takes full Newton
+            return made
+
+    def _run(self, settings: Mapping[str, float], ends: Sequence[float] | None, beside: bool,
+             options: Mapping[str, Any]) -> Made:  # fmt: skip
         m = self.model.copy()
         for path, value in settings.items():
             m[path] = value
@@ -130,7 +149,7 @@ class Measured:
         times = grid.Times(m.record)
         sizes = {path: abs(v) or 1.0 for path, v in settings.items()} if self.exact and not beside else None
         result = m.solve(variables=self.kept, at=self.at if ends is None else None, listeners=[times],
-                         warn=lambda _: None, sensitivity=sizes, **self.options)  # fmt: skip
+                         warn=lambda _: None, sensitivity=sizes, **options)  # fmt: skip
         if result.interrupted:
             raise KeyboardInterrupt
         if not result.converged:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -51,11 +51,11 @@ def steadied(problem: Problem, solve: Callable[[Floats | None], Ended], start: F
     problem.hold_steps(z)
     ended = solve(z)
     for _ in range(HOLDS):
-        if not problem.hold_steps(ended.z):
+        if not problem.hold_steps(ended.z, beside=ended.J is not None):
             break
-        J = problem.jacobian(ended.z) if ended.J is None or problem.brings_derivatives(ended.z) else ended.J
-        if ended.converged and _near(problem, ended.z, J):
-            return replace(ended, J=J)
+        if ended.converged and _near(problem, ended.z, problem.jacobian(ended.z) if ended.J is None else ended.J):
+            break
+        problem.forget(ended.z)
         ended = solve(ended.z)
     return ended
 

@@ -102,16 +102,16 @@ class Problem:
         made = self._made(z)
         return None if made is None else [m.found for m in made]
 
-    def hold_steps(self, z: Floats) -> bool:
+    def hold_steps(self, z: Floats, beside: bool = False) -> bool:
         """Have all runs from here on take the time steps that they take at z by themselves; False where they do so.
 
-        Adaptive steps follow parameters by jumps, and so do curves, by the error of their steps: no way to derivatives.
+        ``beside``: derivatives are not asked of the runs at z. Adaptive steps follow parameters by jumps, and so do curves, by the error of their steps: no way to derivatives.
         """
         known = self._known.get(z.tobytes())
         held, self._ends = self._ends, [None] * len(self.experiments)
         if known is not None and any(held):
             del self._known[z.tobytes()]
-        made = self._made(z)
+        made = self._made(z, beside)
         if made is None:
             self._ends = held
             return False
@@ -135,13 +135,17 @@ class Problem:
                 e.tighten(False)
         return self._known is not known
 
-    def _made(self, z: Floats) -> list[Made] | None:
+    def forget(self, z: Floats) -> None:
+        """Runs at z are made again where they are asked for."""
+        self._known.pop(z.tobytes(), None)
+
+    def _made(self, z: Floats, beside: bool = False) -> list[Made] | None:
         key = z.tobytes()
         if key not in self._known:
             values = self.parameters.values(z)
             self.trials += 1
             try:
-                made = [self._run(e, values, ends) for e, ends in zip(self.experiments, self._ends)]
+                made = [self._run(e, values, ends, beside) for e, ends in zip(self.experiments, self._ends)]
             except Failed as e:
                 self.failures += 1
                 self.why = str(e)

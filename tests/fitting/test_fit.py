@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import xarray as xr
 
 import febkit
 from febkit.fitting import data, toml
+from febkit.fitting.experiment import Experiment, Measured
 from febkit.model import InputError
 from helpers.specimens import SPECIMENS, Specimen
 
@@ -185,3 +187,29 @@ def test_a_file_that_says_nothing_is_refused(tmp_path: Path, old: str, new: str,
     with pytest.raises(InputError, match=why) as e:
         toml.read(path)
     assert "fit.toml" in str(e.value)
+
+
+def test_models_of_full_newton_are_fitted_by_updates_and_by_full_newton_where_these_fail(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    s = SPECIMENS["unconfined"]
+    e, real = Measured(Experiment(s.model(), s.measured(), s.observe), "e", {"threads": 1}), febkit.Model.solve
+    solved: list[Any] = []
+
+    def solve(self: febkit.Model, *given: Any, **options: Any) -> Any:
+        solved.append(real(self, *given, **options))
+        if options["quasi"] and fails:
+            return SimpleNamespace(converged=False, interrupted=False, reason="no balance is found")
+        return solved[-1]
+
+    monkeypatch.setattr(febkit.Model, "solve", solve)
+    fails = False
+    quick = e.predict(s.truth)
+    assert len(solved) == 1 and 2 * solved[0].totals.reforms < solved[0].totals.iterations
+    fails = True
+    own = e.predict(s.truth)
+    assert len(solved) == 3 and solved[2].totals.reforms == solved[2].totals.iterations
+    e.predict(s.truth)
+    assert len(solved) == 4, "updates were tried again"
+    assert own.ends == quick.ends and own.found == pytest.approx(quick.found, rel=1e-4)
+    assert quick.found == pytest.approx(e.y, rel=1e-4)

@@ -15,6 +15,7 @@ import pytest
 
 import febkit
 from febkit import materials as mt
+from febkit.model import Component
 from febkit.modelling.solution import Solution
 from febkit.solver.graph import Graph, Graphs
 from febkit.solver.linear import pardiso
@@ -158,3 +159,7 @@ def test_a_tolerance_asks_for_more_than_the_file() -> None:
     off = [float(np.abs(r.state.u - best.state.u).max()) for r in (loose, tight)]
     assert off[1] < 1e-13 < 1e-12 < off[0]
     assert loose.totals.iterations < tight.totals.iterations < best.totals.iterations
+    m.control.solver.qn_method = Component("qn_method", "full Newton")
+    full, quasi = m.solve(tolerance=1e-10), m.solve(tolerance=1e-10, quasi=True)
+    assert full.totals.reforms == full.totals.iterations > quasi.totals.reforms
+    assert np.abs(full.state.u - quasi.state.u).max() < 1e-13
