@@ -54,7 +54,7 @@ def solve(
     take before "auto" turns to the iterative solver; 0 for what the machine has left.
     tolerance: relative increment of displacements, pressures, concentrations at which iterations may end, where the
     file's dtol, ptol, ctol are larger.
-    quasi: Broyden's updates where the file has full Newton: fewer factorisations, and the same answer to its tolerances.
+    quasi: Broyden's updates where the file has full Newton: fewer factorisations, the same answer to its tolerances.
     accuracy: relative error per step of steps of second order and of their own size, for transient models with
     fluids; 0 for the steps of the file, as FEBio takes them. stabilise: 1 steadies the pressure of steps too small for
     the mesh (:mod:`febkit.solver.kernels.projection`); 0 for FEBio's elements.

@@ -107,7 +107,7 @@ class Measured:
         return not self.options.get("accuracy") and not refusal(lower(self.model.record))
 
     def _is_full_newton(self) -> bool:
-        """Does the model ask for full Newton throughout? Updates do as well, to tolerances that leave no trace of them."""
+        """Does the model ask for full Newton throughout? Updates do as well, to tolerances that hide them."""
         from febkit.lower import lower
 
         return all(s.newton.full for s in lower(self.model.record).steps)

@@ -105,7 +105,8 @@ class Problem:
     def hold_steps(self, z: Floats, beside: bool = False) -> bool:
         """Have all runs from here on take the time steps that they take at z by themselves; False where they do so.
 
-        ``beside``: derivatives are not asked of the runs at z. Adaptive steps follow parameters by jumps, and so do curves, by the error of their steps: no way to derivatives.
+        ``beside``: derivatives are not asked of the runs at z. Adaptive steps follow parameters by jumps, and so do
+        curves, by the error of their steps: no way to derivatives.
         """
         known = self._known.get(z.tobytes())
         held, self._ends = self._ends, [None] * len(self.experiments)

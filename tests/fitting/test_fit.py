@@ -198,7 +198,7 @@ def test_models_of_full_newton_are_fitted_by_updates_and_by_full_newton_where_th
 
     def solve(self: febkit.Model, *given: Any, **options: Any) -> Any:
         solved.append(real(self, *given, **options))
-        if options["quasi"] and fails:
+        if options.get("quasi") and fails:
             return SimpleNamespace(converged=False, interrupted=False, reason="no balance is found")
         return solved[-1]
 
