@@ -38,7 +38,7 @@ class Fields:
             return ["", written(float(values[0]))]
         if name in self.plain:
             raise InputError(f"{name} varies within the part {part}, and FEBio 4.11 takes one number of it for each "
-                             "material: give one number for each zone, or leave parts to the template")
+                             "material: give one number for each zone, or leave parts to the template", p.where)
         if not mapped and self.formulas and p.rule == "linear" and self.layer.flat:
             return ["math", formula(p, self.layer.thickness)]
         return ["map", self.map(f"{name}_{part}", part, values[:, None])]

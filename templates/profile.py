@@ -36,6 +36,7 @@ class Profile:
     depths: tuple[float, ...] = ()
     rule: str = "constant"
     file: str = ""
+    where: Where | None = None  # what gave it, for messages
 
     def at(self, depth: Floats) -> Floats:
         """Values at depths (n,)."""
@@ -68,7 +69,7 @@ class Profile:
             return self
         if len(self.values) != zones:
             raise InputError(f"{name} has {len(self.values)} numbers and there are {zones} zones: give one number "
-                             "for each zone from the surface down, or rows [[depth, value], ...]")
+                             "for each zone from the surface down, or rows [[depth, value], ...]", self.where)
         return Profile((self.values[number],))
 
 
@@ -91,7 +92,7 @@ def profile(name: str, value: Any, where: Where | None = None) -> Profile:
         return _of_table(name, value, where)
     if isinstance(value, list):
         if value and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value):
-            return Profile(tuple(_number(name, x, where) for x in value), rule="zones")
+            return Profile(tuple(_number(name, x, where) for x in value), rule="zones", where=where)
         return _of_rows(name, value, "linear", "", where)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{name} must be {FORMS}, not {value!r}", where)
@@ -139,7 +140,9 @@ def _of_rows(name: str, rows: Any, rule: str, file: str, where: Where | None,
             raise InputError(f"{name}: depths must rise from row to row, and {b:g} follows {a:g}: sort the rows "
                              "from the articular surface (0) to the bone (1)", at(k + 1))
     depths, values = zip(*pairs, strict=True)
-    return Profile(values, depths, rule, file) if len(pairs) > 1 else Profile(values, file=file)
+    if len(pairs) == 1:
+        return Profile(values, file=file, where=where)
+    return Profile(values, depths, rule, file, Where(file) if file else where)
 
 
 def _number(name: str, value: Any, where: Where | None) -> float:

@@ -14,7 +14,7 @@ import febkit
 from febkit.feb import read, write
 from febkit.feb.validation import check, validate
 from febkit.lower import lower
-from febkit.model import InputError, Model
+from febkit.model import InputError, Model, Where
 from febkit.templates import new
 from febkit.templates.course import course
 from febkit.templates.quality import volumes
@@ -314,3 +314,11 @@ def test_the_published_column_has_its_values_at_its_elements() -> None:
 def test_bad_values_are_refused(given: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         small(**given)
+
+
+def test_what_only_the_layer_can_tell_names_the_file_too() -> None:
+    template = load("cartilage")
+    for given in ({"E": [1.0, 2.0]}, {"M": [[0.0, 1.0], [1.0, 2.0]], "parts": "zones"}):
+        with pytest.raises(InputError) as e:
+            template.build(template.values([(given, Where("mine.toml"))]))
+        assert str(e.value).startswith("mine.toml: ")
