@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,7 +51,7 @@ def run(study: Path, overrides: tuple[str, ...], scheduler: str, quiet: bool) ->
     if quiet:
         summary = carry_out(plan, scheduler)
     else:
-        summary = with_progress(plan, scheduler)
+        summary = with_progress(plan, scheduler, tell=printing.say)
     for o in summary.failed:
         printing.note(f"failed: {o.label}: {o.message}")
     if not quiet:
@@ -76,6 +77,25 @@ def status(study: Path, overrides: tuple[str, ...]) -> None:
     printing.table(Table(plan.study.name, ["step", *columns], rows))
     for label, why in studies.failures(plan):
         printing.say(f"failed: {label}: {why}")
+
+
+@command.command()
+@_STUDY
+@_SET
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="NetCDF file [default: metrics.nc in the study's folder].",
+)
+def gather(study: Path, overrides: tuple[str, ...], output: Path | None) -> None:
+    """All metrics that there are as one dataset (case, handoff, point, seed, variant, cell, time), place by place."""
+    from febkit.study import write_results
+
+    plan = _plan(study, overrides)
+    path = output or plan.study.folder / "metrics.nc"
+    n = write_results(plan, path)
+    printing.say(f"wrote {path}: {n} of {len(plan.metrics)} results")
 
 
 @command.command()
@@ -110,12 +130,12 @@ def _plan(study: Path, overrides: tuple[str, ...]) -> Plan:
     return make_plan(read(study, overrides))
 
 
-def with_progress(plan: Work, scheduler: str) -> Summary:
-    """A bar where there is a terminal, else a line for each step."""
+def with_progress(plan: Work, scheduler: str, tell: Callable[[str], None] | None = None) -> Summary:
+    """A bar where there is a terminal, else a line for each step; what is planned is told."""
     from febkit.study.run import carry_out
 
     if not sys.stdout.isatty():
-        return carry_out(plan, scheduler, lambda done, total, o: printing.say(f"[{done}/{total}] {_line(o)}"))
+        return carry_out(plan, scheduler, lambda done, total, o: printing.say(f"[{done}/{total}] {_line(o)}"), tell)
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     with Progress(
@@ -123,10 +143,10 @@ def with_progress(plan: Work, scheduler: str) -> Summary:
     ) as bar:
         task = bar.add_task("starting", total=None)
 
-        def tell(done: int, total: int, o: Outcome) -> None:
+        def step(done: int, total: int, o: Outcome) -> None:
             bar.update(task, completed=done, total=total, description=o.label)
 
-        return carry_out(plan, scheduler, tell)
+        return carry_out(plan, scheduler, step, tell and (lambda text: bar.console.print(text, markup=False)))
 
 
 def _line(o: Outcome) -> str:

@@ -12,6 +12,8 @@ _NAMES = {
     "make_plan": "plan",
     "Store": "store",
     "results": "gather",
+    "Finished": "gather",
+    "write_results": "gather",
     "finished": "gather",
     "status": "gather",
     "failures": "gather",

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import csv
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Where
 from febkit.units import SYSTEMS
 
+from . import depth, models
 from .entries import Entries, load
+from .models import CASES, Case, Variant, Zone
+from .points import Point, Points, read_points
 
-CASES = ("A", "B", "C", "D")
+__all__ = ["CASES", "Method", "Point", "Resources", "Study", "read"]
+
 RECOVERIES = ("element", "polynomial", "patches")  # those of febkit.coupling, which is not loaded to plan
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,11 @@ class Method:
     fluid: int | None
     recovery: str | None = None
     solute: int | None = None  # as the fluid where it is not said
+
+    @property
+    def chosen(self) -> bool:
+        """Are the orders those with the least estimated error?"""
+        return self.name.partition(" ")[0] == "auto"
 
     @classmethod
     def parse(cls, text: object, where: Where) -> Method:
@@ -56,11 +62,16 @@ class Method:
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """Threads and memory of one solve; workers at a time (0: as many as fit the machine)."""
+    """Threads and memory (GB) of one solve, workers at a time; 0: planned from the size of the models and the machine.
+
+    ``limit``: seconds after which a solve is given up, 0 for none; ``retry``: failed ones again, with smaller steps.
+    """
 
     threads: int = 1
-    memory: float = 2.0  # GB
+    memory: float = 2.0
     workers: int = 0
+    limit: float = 0.0
+    retry: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,28 +79,66 @@ class Study:
     """A study: models, cases, methods, points and seeds; ``folder`` is where its results live.
 
     ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] names no list.
+    ``depths`` and ``zone_of`` belong to the points, where depths are known and there are zones. ``tissues`` are the
+    tissue by case; ``embedded`` what the control has beside the cells' parameters.
     """
 
     file: Path
     folder: Path
     name: str
-    cases: tuple[str, ...]
+    loads: tuple[Case, ...]
     methods: tuple[Method, ...]
     control: bool
     points: tuple[Point, ...]
     seeds: tuple[int | None, ...]
-    tissue: Mapping[str, Any]
+    tissues: Mapping[str, Mapping[str, Any]]
     cell: Mapping[str, Any]
     embedded: Mapping[str, Any]
     coupling: Mapping[str, Any]
     measure: Mapping[str, Any]
     resources: Resources = field(default_factory=Resources)
     keep: str = "all"
+    listed: bool = True  # points named one by one: their series stand in one file, as they always have
+    depths: tuple[float, ...] = ()
+    zones: tuple[Zone, ...] = ()
+    zone_of: tuple[int, ...] = ()
+    variants: tuple[Variant, ...] = (Variant(""),)
+    background: str = ""  # material of the cell model that is the tissue's at the point
+    instantaneous: float | None = None
+
+    @property
+    def cases(self) -> tuple[str, ...]:
+        return tuple(c.name for c in self.loads)
+
+    @property
+    def tissue(self) -> Mapping[str, Any]:
+        """The tissue of the first case."""
+        return self.tissues[self.loads[0].name]
+
+    def zone(self, point: int) -> Zone | None:
+        return self.zones[self.zone_of[point]] if self.zones else None
+
+    def cells(self, point: int, variant: int) -> dict[str, Any]:
+        """Parameters of the cell model at a point."""
+        zone = self.zone(point)
+        return _over(_over(dict(self.cell), {} if zone is None else zone.cell), self.variants[variant].cell)
+
+    def controlled(self, case: int, point: int, variant: int) -> dict[str, Any]:
+        """Parameters of the control: the cells' own, and what [embedded], the case and the variant say of it."""
+        own = models.control(self.cells(point, variant), self.embedded)
+        return own | dict(self.loads[case].embedded) | dict(self.variants[variant].embedded)
+
+
+def _over(table: dict[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
+    """A model's table with what comes instead; another file has no parameters, and parameters have no file."""
+    if "file" in more:
+        return dict(more)
+    return {k: v for k, v in table.items() if k != "file" or not more} | dict(more)
 
 
 _TOP = (
     "name", "cases", "methods", "control", "folder", "model", "tissue", "cell", "embedded", "points", "coupling",
-    "measure", "run", "units",
+    "measure", "run", "units", "zones", "variants", "instantaneous",
 )  # fmt: skip
 
 
@@ -104,30 +153,73 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     own = _folder(Entries(t, where), path)
     for o in overrides:
         _override(t, o)
-    top = Entries(t, where)
+    top, home = Entries(t, where), path.parent
     top.only(_TOP)
-    shared, embedded = _model(top, "model"), _model(top, "embedded")
-    cell, seeds = _seeds(shared | _model(top, "cell"), embedded, where)
+    shared, embedded = models.given(top, "model"), models.given(top, "embedded")
+    cell, seeds = _seeds(shared | models.given(top, "cell"), embedded, where)
+    tissue = models.located(shared | models.given(top, "tissue"), "tissue", home, where)
+    loads = models.cases(top, tissue)
     run = top.table("run")
-    run.only(("threads", "memory", "workers", "keep"))
+    run.only(("threads", "memory", "workers", "keep", "limit", "retry"))
     units = _units(top)
-    return Study(
+    coupling, background = _coupling(top.table("coupling"))
+    published = not isinstance(top.given.get("cases"), Mapping) and loads[0].name != models.OWN
+    points = read_points(top.table("points"), home)
+    study = Study(
         file=path,
-        folder=path.parent / top.text("folder", "") if _told(overrides) else own,
+        folder=home / top.text("folder", "") if _told(overrides) else own,
         name=top.text("name", path.stem),
-        cases=_cases(top),
+        loads=tuple(replace(c, embedded=models.located(c.embedded, "embedded", home, where)) for c in loads),
         methods=tuple(Method.parse(m, where) for m in top.listed("methods", ["1", "2"])),
-        control=top.flag("control", True),
-        points=_points(top.table("points"), path.parent),
+        control=top.flag("control", published or "embedded" in t),
+        points=points.rows,
         seeds=seeds,
-        tissue=_located(shared | _model(top, "tissue"), "tissue", path.parent, where),
-        cell=_located(cell, "cell", path.parent, where),
-        embedded=_located(_control(cell, embedded), "embedded", path.parent, where),
-        coupling=_coupling(top.table("coupling")) | units,
+        tissues=models.tissues(tissue, loads, home, where),
+        cell=models.located(cell, "cell", home, where),
+        embedded=models.located(embedded, "embedded", home, where),
+        coupling=coupling | units,
         measure=_measure(top.table("measure")) | units,
-        resources=Resources(run.whole("threads", 1, 1), run.positive("memory", 2.0), run.whole("workers", 0, 0)),
+        resources=_resources(run),
         keep=run.choice("keep", "all", ("all", "metrics")),
+        listed=points.listed,
+        zones=models.zones(top, home),
+        variants=models.variants(top),
+        background=background,
+        instantaneous=top.positive("instantaneous", 0.0) if "instantaneous" in t else None,
     )
+    return _checked(_deep(study, points, where), where)
+
+
+def _deep(study: Study, points: Points, where: Where) -> Study:
+    """With depths and zones of the points, where something asks for them: a few points need no mesh to plan."""
+    if points.listed and not study.zones:
+        return study
+    at, depths = depth.placed(points, depth.columns(study.tissues, where), where)
+    zone_of = tuple(models.zone_at(study.zones, d, f"point {k + 1} ({', '.join(f'{c:g}' for c in at[k])})", where)
+                    for k, d in enumerate(depths)) if study.zones else ()  # fmt: skip
+    return replace(study, points=at, depths=depths, zone_of=zone_of)
+
+
+def _checked(study: Study, where: Where) -> Study:
+    """Raises InputError for parameters that some template of the study does not have."""
+    one_each = {study.zone_of[k] if study.zones else 0: k for k in reversed(range(len(study.points)))}
+    for k in one_each.values():
+        for v in range(len(study.variants)):
+            cell = study.cells(k, v)
+            if "file" not in cell:
+                models.check(cell, "cell", where)
+            for c in range(len(study.loads)) if study.control else ():
+                control = study.controlled(c, k, v)
+                if "file" not in control:
+                    models.check(control, "embedded", where)
+    return study
+
+
+def _resources(run: Entries) -> Resources:
+    numbers = {k: run.positive(k, 1.0) for k in ("memory", "limit") if k in run.given}
+    threads = run.whole("threads", 1, 1) if "threads" in run.given else 0
+    both = numbers.get("memory", 0.0), run.whole("workers", 0, 0)
+    return Resources(threads, *both, numbers.get("limit", 0.0), run.flag("retry", True))
 
 
 def _override(t: dict[str, Any], text: str) -> None:
@@ -168,53 +260,6 @@ def _folder(top: Entries, path: Path) -> Path:
     return path.parent / said
 
 
-def _model(top: Entries, name: str) -> dict[str, Any]:
-    """A model's parameters; the template checks them."""
-    table = dict(top.table(name).given)
-    for key in ("file", "results", "template"):
-        if key in table:
-            table[key] = top.table(name).text(key, "")
-    return table
-
-
-def _cases(top: Entries) -> tuple[str, ...]:
-    cases = top.listed("cases", list(CASES))
-    for c in cases:
-        if c not in CASES:
-            raise InputError(f"case {c!r} is none of {', '.join(CASES)}", top.where)
-    if len(set(cases)) < len(cases):
-        raise InputError("a case is given twice", top.where)
-    return tuple(cases)
-
-
-def _points(t: Entries, base: Path) -> tuple[Point, ...]:
-    """``at`` = [[x, y, z], ...] or ``file`` = a CSV of x,y,z lines; the centre where neither is given."""
-    t.only(("at", "file"))
-    if "file" in t.given:
-        path = base / t.text("file", "")
-        try:
-            rows = [r for r in csv.reader(path.read_text(encoding="utf-8").splitlines()) if r]
-        except OSError as e:
-            raise InputError(f"cannot open the points {path}: {e.strerror}", t.where) from None
-        except (UnicodeDecodeError, csv.Error) as e:
-            raise InputError(f"the points {path} are no table of numbers: {e}", t.where) from None
-        if rows and not _numbers(rows[0]):
-            rows = rows[1:]
-        if not rows:
-            raise InputError(f"the points {path} are none", t.where)
-    else:
-        rows = t.listed("at", [[0.0, 0.0, 0.0]])
-    points = []
-    for k, r in enumerate(rows):
-        v = _numbers(r)
-        if v is None or len(v) != 3:
-            raise InputError(f"point {k + 1} must be three numbers, not {r!r}", t.where)
-        points.append((v[0], v[1], v[2]))
-    if len(set(points)) < len(points):
-        raise InputError("a point is given twice", t.where)
-    return tuple(points)
-
-
 def _seeds(
     cell: dict[str, Any], embedded: Mapping[str, Any], where: Where
 ) -> tuple[dict[str, Any], tuple[int | None, ...]]:
@@ -236,54 +281,17 @@ def _seeds(
     return {k: v for k, v in cell.items() if k != "seed"}, tuple(seeds)
 
 
-def _numbers(row: Any) -> list[float] | None:
-    """The numbers of a row, all finite; None where it has others."""
-    if not isinstance(row, list) or any(isinstance(x, bool) for x in row):
-        return None
-    try:
-        numbers = [float(x) for x in row]
-    except (TypeError, ValueError, OverflowError):
-        return None
-    return numbers if all(math.isfinite(x) for x in numbers) else None
-
-
-def _located(t: dict[str, Any], name: str, base: Path, where: Where) -> dict[str, Any]:
-    """A model's parameters, checked by its template, with paths of its own files relative to the study."""
-    for k in ("file", "results", "template"):
-        if k in t:
-            p = (base / t[k]).resolve()
-            if not p.exists():
-                raise InputError(f"{p} does not exist", where)
-            if p.is_dir() != (k == "template"):
-                raise InputError(f"{k} of [{name}] must be a {'folder' if k == 'template' else 'file'}: {p}", where)
-            t[k] = str(p)
-    if "file" not in t:
-        _check(t, name, where)
-    return t
-
-
-def _check(t: dict[str, Any], name: str, where: Where) -> None:
-    from febkit.templates.template import load
-
-    own = {k: v for k, v in t.items() if k not in ("results", "template")}
-    given = Where(f"{where}: [{name}]")
-    load(name, Path(t["template"]) if "template" in t else None).values([(own, given)])
-
-
-def _control(cell: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """The control is made of the cell model's own parameters, but not of its files."""
-    return {k: v for k, v in cell.items() if k not in ("file", "template", "drive")} | dict(own)
-
-
-def _coupling(t: Entries) -> dict[str, Any]:
-    """What :func:`febkit.coupling.series` is told beside the points and the order."""
-    t.only(("recovery", "own_part", "box"))
+def _coupling(t: Entries) -> tuple[dict[str, Any], str]:
+    """What :func:`febkit.coupling.series` is told beside points and order; the material that is the tissue's."""
+    t.only(("recovery", "own_part", "background", "material", "box"))
     if "box" in t.given:
         t.positive("box", 1.0)
     if "recovery" in t.given:
         t.choice("recovery", "", RECOVERIES)
     t.flag("own_part", True)
-    return dict(t.given)
+    material = t.text("material", "ecm")
+    tissues = t.choice("background", "cell", ("cell", "tissue")) == "tissue"
+    return {k: v for k, v in t.given.items() if k in ("recovery", "own_part", "box")}, material if tissues else ""
 
 
 def _measure(t: Entries) -> dict[str, Any]:

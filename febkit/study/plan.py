@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,13 +20,15 @@ CONTROL = "control"
 class Place(NamedTuple):
     """Where in the study a result stands.
 
-    ``method`` is a :class:`Method`'s name or "control"; ``point`` and ``seed`` are indices into the study's.
+    ``method`` is a :class:`Method`'s name or "control"; ``point``, ``seed`` and ``variant`` are indices into
+    the study's.
     """
 
     case: str
     method: str
     point: int = 0
     seed: int = 0
+    variant: int = 0
 
 
 class Work:
@@ -82,39 +84,30 @@ def make_plan(study: Study) -> Plan:
     """The graph of a study: build, solve, series, drive, solve, measure, compare."""
     metrics: dict[Place, Step] = {}
     agreement: dict[Place, Step] = {}
-    centre = _centre(study.points)
-    for case in study.cases:
-        tissue = _solved("tissue", study.tissue, case)
-        for j in range(len(study.seeds)):
-            suffix = which(study, None, j)
-            cell = _model("cell", _seeded(study, study.cell, j), case, suffix)
-            if study.control and centre is not None:
-                control = _solved("embedded", _seeded(study, study.embedded, j), case, suffix)
-                at = Place(case, CONTROL, centre, j)
-                metrics[at] = _measure(study, f"{case} control{suffix}: measure", control, ())
-            for method in study.methods:
-                for k in range(len(study.points)):
-                    at = Place(case, method.name, k, j)
-                    metrics[at] = _driven(study, at, method, cell, tissue)
-                if study.control and centre is not None:
-                    at = Place(case, method.name, centre, j)
-                    inputs = {"control": metrics[at._replace(method=CONTROL)], "test": metrics[at]}
-                    label = f"{case} order {method.name}{suffix}: compare"
-                    agreement[at] = Step("compare", label, {}, inputs)
+    steps = _Shared(study)
+    centre = _centre(study.points) if study.control else None
+    for c, case in enumerate(study.cases):
+        for v in range(len(study.variants)):
+            for j in range(len(study.seeds)):
+                if centre is not None:
+                    metrics[Place(case, CONTROL, centre, j, v)] = steps.control(c, centre, j, v)
+                for method in study.methods:
+                    for k in range(len(study.points)):
+                        at = Place(case, method.name, k, j, v)
+                        metrics[at] = steps.driven(at, method)
+                    if centre is not None:
+                        at = Place(case, method.name, centre, j, v)
+                        inputs = {"control": metrics[at._replace(method=CONTROL)], "test": metrics[at]}
+                        label = f"{case} order {method.name}{which(study, None, j, v)}: compare"
+                        agreement[at] = Step("compare", label, {}, inputs)
     return Plan(study, metrics, agreement)
 
 
-def _seeded(study: Study, table: Mapping[str, Any], j: int) -> Mapping[str, Any]:
-    """Parameters of a model with cells: with its seed, and with what the metrics need of febkit's own templates."""
-    seed = study.seeds[j]
-    needs = study.measure.get("exchange") == "consistent" and "template" not in table
-    return ({"velocity": True} if needs else {}) | dict(table) | ({} if seed is None else {"seed": seed})
-
-
-def which(study: Study, point: int | None, seed: int) -> str:
-    """Point and seed in a label, where there are several."""
+def which(study: Study, point: int | None, seed: int, variant: int = 0) -> str:
+    """Point, seed and variant in a label, where there are several."""
     out = f" point {point + 1}" if point is not None and len(study.points) > 1 else ""
-    return out + (f" seed {study.seeds[seed]}" if len(study.seeds) > 1 else "")
+    out += f" seed {study.seeds[seed]}" if len(study.seeds) > 1 else ""
+    return out + (f" {study.variants[variant].name}" if len(study.variants) > 1 else "")
 
 
 def _centre(points: Iterable[Point]) -> int | None:
@@ -125,16 +118,118 @@ def _centre(points: Iterable[Point]) -> int | None:
     return None
 
 
+class _Shared:
+    """Steps by what they are of: each is made once, whatever rests on it."""
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        self._made: dict[tuple[object, ...], Any] = {}
+
+    def _once(self, key: tuple[object, ...], make: Callable[[], Any]) -> Any:
+        if key not in self._made:
+            self._made[key] = make()
+        return self._made[key]
+
+    def tissue(self, case: str) -> dict[str, Step]:
+        made: dict[str, Step] = self._once(("tissue", case), lambda: _solved("tissue", self.study.tissues[case], case))
+        return made
+
+    def cell(self, point: int, seed: int, variant: int) -> Step:
+        """The model of the cells at a point: that of its zone."""
+        study, zone = self.study, self.study.zone(point)
+
+        def make() -> Step:
+            suffix = ("" if zone is None else f" {zone.name}") + which(study, None, seed, variant)
+            return _model("cell", self._seeded(study.cells(point, variant), seed), "", suffix)
+
+        step: Step = self._once(("cell", zone and zone.name, seed, variant), make)
+        return step
+
+    def control(self, case: int, point: int, seed: int, variant: int) -> Step:
+        name, suffix = self.study.cases[case], which(self.study, None, seed, variant)
+        table = self._seeded(self.study.controlled(case, point, variant), seed)
+        label = f"{name} control{suffix}: measure"
+        return _measure(self.study, label, _solved("embedded", table, name, suffix), ())
+
+    def series(self, case: str, method: Method, point: int, variant: int) -> Step:
+        """Series of the tissue's field at all points that are listed, one small file; else at one, so that other
+        points may come and go."""
+        order = max(method.solid or 1, method.fluid or 1, method.solute or 1)
+        study = self.study
+        at = list(study.points) if study.listed else [study.points[point]]
+        where = f"at {len(at)} points" if study.listed else f"at point {point + 1}"
+        box = _box(study, study.cells(point, variant)) if method.chosen else None
+
+        def make() -> Step:
+            params: dict[str, Any] = {"points": [list(p) for p in at], **study.coupling, "order": order}
+            if box is not None:
+                params |= {"order": "auto", "box": box}
+            if method.recovery:
+                params["recovery"] = method.recovery
+            label = f"{case} tissue: series of order {params['order']} {where}"
+            label += f", {method.recovery}" if method.recovery else ""
+            return Step("series", label, params, self.tissue(case))
+
+        step: Step = self._once(("series", case, order, box, method.recovery, -1 if study.listed else point), make)
+        return step
+
+    def driven(self, at: Place, method: Method) -> Step:
+        """What a method makes of the cells at a place: drive, solve, measure."""
+        study, k = self.study, at.point
+        label = f"{at.case} order {method.name}{which(study, k, at.seed, at.variant)}"
+        cell = self.cell(k, at.seed, at.variant)
+        params: dict[str, Any] = {"point": k if study.listed else 0, "solid": method.solid, "fluid": method.fluid}
+        params |= {} if method.solute is None else {"solute": method.solute}
+        tissue = self.tissue(at.case)
+        if study.background:
+            cell = self._background(at, cell)
+        if method.name == "overlay":
+            params |= {"at": list(study.points[k])} | _units(study)
+            inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}
+        else:
+            inputs = {"cell": cell, "series": self.series(at.case, method, k, at.variant)}
+        model = Step("drive", f"{label}: drive", params, inputs)
+        results = Step("solve", f"{label}: solve", {}, {"model": model})
+        drop = ("model", "results") if study.keep == "metrics" else ()
+        return _measure(study, f"{label}: measure", {"model": model, "results": results}, drop)
+
+    def _background(self, at: Place, cell: Step) -> Step:
+        """The model of the cells with the tissue's own material around them."""
+        study = self.study
+
+        def make() -> Step:
+            params = {"at": list(study.points[at.point]), "material": study.background}
+            label = f"{at.case} cell{which(study, at.point, at.seed, at.variant)}: material of the tissue"
+            return Step("background", label, params, {"cell": cell, "tissue": self.tissue(at.case)["model"]})
+
+        step: Step = self._once(("background", at._replace(method="")), make)
+        return step
+
+    def _seeded(self, table: Mapping[str, Any], j: int) -> Mapping[str, Any]:
+        """Parameters of a model with cells: with its seed, and with what the metrics need of febkit's own templates."""
+        seed = self.study.seeds[j]
+        needs = self.study.measure.get("exchange") == "consistent" and "template" not in table
+        return ({"velocity": True} if needs else {}) | dict(table) | ({} if seed is None else {"seed": seed})
+
+
 def _model(name: str, table: Mapping[str, Any], case: str, suffix: str = "") -> Step:
     """The step that makes a model: from its template, or adopted from a user's file."""
     if "file" in table:
         return _adopt(name, {"model": table["file"]})
-    params = {k: v for k, v in table.items() if k != "results"}
-    if name == "cell":  # the drive comes from the tissue, not from the case
-        params |= {"drive": "none"}
-        return Step("build", f"{name}{suffix}: build", {"template": name, "values": params})
-    values = {**params, "case": case}
-    return Step("build", f"{case} {name}{suffix}: build", {"template": name, "values": values})
+    values = {k: v for k, v in table.items() if k != "results"}
+    template = name
+    if "template" in table:
+        from .models import template_of
+
+        t = template_of(table, name)
+        if "drive" in t.parameters and name == "cell":
+            values |= {"drive": "none"}
+        if t.name == table["template"]:  # built in
+            template = values.pop("template")
+    elif name == "cell":  # the drive comes from the tissue, not from the case
+        values |= {"drive": "none"}
+    prefix = f"{case} " if case else ""
+    return Step("build", f"{prefix}{name}{suffix}: build", {"template": template, "values": values})
 
 
 def _solved(name: str, table: Mapping[str, Any], case: str, suffix: str = "") -> dict[str, Step]:
@@ -147,43 +242,15 @@ def _solved(name: str, table: Mapping[str, Any], case: str, suffix: str = "") ->
     return {"model": model, "results": Step("solve", f"{case} {name}{suffix}: solve", {}, {"model": model})}
 
 
-def _series(study: Study, case: str, method: Method, tissue: Mapping[str, Step]) -> Step:
-    """Series of the tissue's field at all points, of the order that is handed off: one small file."""
-    order = max(method.solid or 1, method.fluid or 1, method.solute or 1)
-    params: dict[str, Any] = {"points": [list(p) for p in study.points], **study.coupling, "order": order}
-    if method.solid is None:
-        params |= {"order": "auto", "box": _box(study)}
-    if method.recovery:
-        params["recovery"] = method.recovery
-    label = f"{case} tissue: series of order {params['order']} at {len(study.points)} points"
-    return Step("series", label + (f", {method.recovery}" if method.recovery else ""), params, dict(tissue))
-
-
-def _box(study: Study) -> float:
+def _box(study: Study, cell: Mapping[str, Any]) -> float:
     """Edge of the cell model, over which the error of a hand-off is estimated."""
     if "box" in study.coupling:
         return float(study.coupling["box"])
-    if {"file", "template"} & set(study.cell):
+    if {"file", "template"} & set(cell):
         raise InputError(f'{study.file}: method "auto" with a cell model of your own: say its edge, box in [coupling]')
     from febkit.templates.template import load
 
-    return float(study.cell.get("edge", load("cell").parameters["edge"].default))
-
-
-def _driven(study: Study, at: Place, method: Method, cell: Step, tissue: Mapping[str, Step]) -> Step:
-    k = at.point
-    label = f"{at.case} order {method.name}{which(study, k, at.seed)}"
-    params: dict[str, Any] = {"point": k, "solid": method.solid, "fluid": method.fluid}
-    params |= {} if method.solute is None else {"solute": method.solute}
-    if method.name == "overlay":
-        params |= {"at": list(study.points[k])} | _units(study)
-        inputs = {"cell": cell, **{f"tissue_{n}": s for n, s in tissue.items()}}
-    else:
-        inputs = {"cell": cell, "series": _series(study, at.case, method, tissue)}
-    model = Step("drive", f"{label}: drive", params, inputs)
-    results = Step("solve", f"{label}: solve", {}, {"model": model})
-    drop = ("model", "results") if study.keep == "metrics" else ()
-    return _measure(study, f"{label}: measure", {"model": model, "results": results}, drop)
+    return float(cell.get("edge", load("cell").parameters["edge"].default))
 
 
 def _units(study: Study) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,10 @@ from febkit.metrics import tables
 from febkit.metrics.agreement import compare_orders, spread, usual
 from febkit.metrics.cells import METRICS
 from febkit.metrics.osmotic import split
-from febkit.model import InputError, Where
-from febkit.results import netcdf
+from febkit.model import Where
 
-from . import gather, ions, pattern
+from . import gather, ions, maps, pattern
+from .models import CASES, template_of, values_of
 from .plan import CONTROL, Place, Plan, which
 from .step import Step
 from .store import Store
@@ -23,67 +23,94 @@ from .work import MODEL, RESULTS
 if TYPE_CHECKING:
     import xarray as xr
 
-Metrics = dict[Place, "xr.Dataset"]
+Metrics = Mapping[Place, "xr.Dataset"]
 RANKED = 3  # cells from which on ranks say something
+SPOKEN = 20  # points of which each gets its own rows
 
 
 def write_report(plan: Plan, folder: str | Path, figures: bool = True) -> Iterator[Path]:
     """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named."""
+    import xarray as xr
+
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "metrics.nc"
-    found, agreed = dict(gather.finished(plan)), gather.agreements(plan)
-    data = gather.results(plan, found.items())
-    if not data.data_vars:
-        raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
-    netcdf.save(data, path)
+    found, agreed = gather.Finished(plan), gather.agreements(plan)
+    gather.write_results(plan, path)
     yield path
-    pictures = list(_figures(plan, found, agreed, folder)) if figures else []
-    yield from pictures
-    path = folder / "report.md"
-    put(path, _text(plan, found, agreed, pictures).encode())
+    with xr.open_dataset(path, chunks=None) as data:
+        pictures = [*_figures(plan, found, agreed, folder), *_maps(plan, data, folder)] if figures else []
+        yield from pictures
+        path = folder / "report.md"
+        put(path, _text(plan, found, agreed, data, pictures).encode())
     yield path
 
 
-def _text(plan: Plan, found: Metrics, agreed: Metrics, pictures: list[Path]) -> str:
+def _maps(plan: Plan, data: xr.Dataset, folder: Path) -> Iterator[Path]:
+    yield from maps.depth_figures(data, ramp(plan), folder)
+    yield from maps.size_figures(plan, data, ramp(plan), folder)
+
+
+def _text(plan: Plan, found: Metrics, agreed: Metrics, data: xr.Dataset, pictures: list[Path]) -> str:
     study = plan.study
-    missing = [f"{p.case} {p.method}{which(study, p.point, p.seed)}" for p in plan.metrics if p not in found]
+    missing = [_named(plan, p) for p in plan.metrics if p not in found]
     out = [f"# {study.name}", ""]
+    zones = [f"{z.name} {z.top:g} to {z.bottom:g}" for z in study.zones]
     out += [
         f"Cases {', '.join(study.cases)}; methods {', '.join(m.name for m in study.methods)}; "
         f"{len(study.points)} point(s)"
+        + (f"; zones by depth: {', '.join(zones)}" if zones else "")
+        + (f"; variants {', '.join(v.name for v in study.variants)}" if len(study.variants) > 1 else "")
         + (f"; seeds {', '.join(map(str, study.seeds))}." if len(study.seeds) > 1 else "."),
         "",
     ]
     if missing:
         out += [f"Not done yet: {', '.join(missing[:20])}{' ...' if len(missing) > 20 else ''}.", ""]
+    out += [t.markdown() for t in _failed(plan)]
     out += [t.markdown() for t in all_tables(plan, found, agreed)]
+    out += [t.markdown() for t in maps.depth_table(data)]
+    out += [t.markdown() for t in maps.size_tables(plan, data, agreed, ramp(plan))]
     out += [_times(plan).markdown()]
     out += [f"![{p.stem}]({p.name})\n" for p in pictures]
     return "\n".join(out)
+
+
+def _named(plan: Plan, p: Place) -> str:
+    return f"{p.case} {p.method}{which(plan.study, p.point, p.seed, p.variant)}"
+
+
+def _failed(plan: Plan) -> Iterator[tables.Table]:
+    """Steps that failed, and solves that a second try with smaller steps brought to their end."""
+    rows: list[list[object]] = [[label, "failed", why] for label, why in gather.failures(plan)]
+    store = Store(plan.study.folder)
+    for key, step in plan.steps().items():
+        if step.kind == "solve" and (r := store.record(key)).get("retried"):
+            rows.append([step.label, "solved at the second try", f"{r['retried']}; before: {r['before']}"])
+    if rows:
+        yield tables.Table("Failed, or tried again", ["step", "", "why"], rows)
 
 
 def all_tables(
     plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None
 ) -> Iterator[tables.Table]:
     """Tables of what is done: the study's pattern, RMS (table 2), limits, ranks (table 3), medians and ranges."""
-    found = dict(gather.finished(plan)) if found is None else found
+    found = gather.Finished(plan) if found is None else found
     agreed = gather.agreements(plan) if agreed is None else agreed
     if agreed:
         study = plan.study
         yield from first_tables(plan, found, agreed)
-        rows = [(f"{p.case} {p.method}{which(study, None, p.seed)}", ds) for p, ds in sorted(agreed.items())]
+        rows = [
+            (f"{p.case} {p.method}{which(study, None, p.seed, p.variant)}", ds) for p, ds in sorted(agreed.items())
+        ]
         yield tables.rms_table(rows, "RMS difference to the control (over the control's range)")
         for label, ds in rows:
             yield tables.limits_table(ds, f"{label}: limits of agreement (method - control)")
         ranks = list(_ranks(plan, found))
         if ranks:
             yield tables.rank_table(ranks)
-    spreads = [
-        (f"{p.case} {p.method}{which(plan.study, p.point, p.seed)}", spread(ds, ramp(plan)))
-        for p, ds in found.items()
-        if p.point < 20
-    ]
+    few = len(plan.study.points) * len(plan.study.seeds) * len(plan.study.variants) <= SPOKEN
+    shown = [p for p in found if p.point < SPOKEN and (few or p.seed == p.variant == 0)]
+    spreads = [(_named(plan, p), spread(found[p], instant(plan, found[p]))) for p in shown]
     if spreads:
         yield tables.spread_table(spreads)
 
@@ -101,7 +128,9 @@ def pattern_tables(
     plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None
 ) -> Iterator[tables.Table]:
     """Whether the published study's pattern comes out, and its table 2 beside ours."""
-    found = dict(gather.finished(plan)) if found is None else found
+    if not set(plan.study.cases) <= set(CASES) or len(plan.study.variants) > 1:
+        return
+    found = gather.Finished(plan) if found is None else found
     agreed = gather.agreements(plan) if agreed is None else agreed
     methods = plan.study.methods
     default = str(plan.study.coupling.get("recovery") or "default")
@@ -119,8 +148,8 @@ def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
         for other in others:
             a, b = found.get(p._replace(method=first)), found.get(p._replace(method=other))
             if a is not None and b is not None and min(a.sizes["cell"], b.sizes["cell"]) >= RANKED:
-                label = f"{p.case}{which(plan.study, None, p.seed)}: {first} / {other}"
-                yield label, compare_orders(found[p], a, b, ramp(plan))
+                label = f"{p.case}{which(plan.study, None, p.seed, p.variant)}: {first} / {other}"
+                yield label, compare_orders(found[p], a, b, instant(plan, a))
 
 
 def mixed(plan: Plan) -> bool:
@@ -129,14 +158,21 @@ def mixed(plan: Plan) -> bool:
 
 
 def ramp(plan: Plan) -> float | None:
-    """End of the ramp, the "instantaneous" moment; None where the tissue is no template's: the published study's."""
-    from febkit.templates.template import load
+    """End of the ramp, the "instantaneous" moment: the study's own, or its template's; None where neither says it."""
+    study = plan.study
+    if study.instantaneous is not None or "file" in study.tissue:
+        return study.instantaneous
+    found = values_of(template_of(study.tissue, "tissue"), study.tissue, Where(str(study.file))).get("ramp")
+    return float(found) if isinstance(found, int | float) else None
 
-    tissue = {k: v for k, v in plan.study.tissue.items() if k != "results"}
-    if "file" in tissue:
-        return None
-    own = tissue.pop("template", None)
-    return float(load("tissue", Path(own) if own else None).values([(tissue, Where(str(plan.study.file)))])["ramp"])
+
+def instant(plan: Plan, ds: xr.Dataset) -> float | None:
+    """:func:`ramp`; where nothing says it the published study's, or the first time after the start."""
+    said = ramp(plan)
+    t = ds["time"].values
+    if said is None and abs(t - pattern.RAMP).min() > 1e-3 * pattern.RAMP:
+        return float(t[min(1, len(t) - 1)])
+    return said
 
 
 def _times(plan: Plan) -> tables.Table:
@@ -179,7 +215,7 @@ def _figures(plan: Plan, found: Metrics, agreed: Metrics, folder: Path) -> Itera
 
     for case in plan.study.cases:
         for at in [p for p in found if p.case == case and (p.method == CONTROL or not plan.study.control)]:
-            shown = {_label(p.method): ds for p, ds in found.items() if p == at._replace(method=p.method)}
+            shown = {_label(p.method): found[p] for p in found if p == at._replace(method=p.method)}
             yield _saved(plots.histories(shown, _six(shown), title=f"case {case}"), folder / f"histories_{case}.png")
             held = [m for m in usual(split(next(iter(shown.values())))) if m not in METRICS]
             if held:
@@ -203,7 +239,7 @@ def _figures(plan: Plan, found: Metrics, agreed: Metrics, folder: Path) -> Itera
             break  # one point and seed for each case: the control's, or the first
     by_case: dict[str, dict[str, xr.Dataset]] = {}
     for p, ds in agreed.items():
-        if p.seed == 0:
+        if p.seed == p.variant == 0:
             by_case.setdefault(p.case, {})[p.method] = ds
     if by_case:
         yield _saved(plots.outside_counts(by_case), folder / "outside_limits.png")

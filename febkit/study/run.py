@@ -12,6 +12,7 @@ from typing import Any
 from febkit.model import InputError
 
 from .config import Resources
+from .memory import Tell, cores, free_memory, stages
 from .plan import Work
 from .step import Step
 from .store import Store
@@ -48,17 +49,26 @@ class Summary:
         return not self.failed and not self.skipped
 
 
-def carry_out(plan: Work, scheduler: str = "local", progress: Progress | None = None) -> Summary:
+def carry_out(
+    plan: Work, scheduler: str = "local", progress: Progress | None = None, tell: Tell | None = None
+) -> Summary:
     """Do what the store does not hold yet; a second run after an interruption carries on.
 
     scheduler  "local" (Dask workers on this machine), "serial" (this process), or the address of a Dask
                scheduler such as "tcp://host:8786" whose workers see the study's folder
+    tell       is told what workers are planned
     """
     store = Store(plan.folder.resolve())
     with store.alone():
         needed = plan.needed(store)
         summary = Summary(reused=len(plan.steps()) - len(needed))
-        outcomes = _serial(store, needed) if scheduler == "serial" else _dask(plan, store, needed, scheduler)
+        r = plan.resources
+        if scheduler == "serial":
+            outcomes = _serial(store, needed, r)
+        elif scheduler == "local":
+            outcomes = _local(store, needed, r, tell or (lambda _: None))
+        else:
+            outcomes = _dask(store, needed, r, scheduler)
         for outcome in outcomes:
             summary.add(outcome)
             if progress is not None:
@@ -80,21 +90,38 @@ def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
     inputs = {n: store.path(k) for n, k in spec["inputs"].items()}
     try:
         with store.making(key, about) as (folder, record):
-            work.KINDS[spec["kind"]](work.Job(folder, spec["params"], inputs, record, spec["files"]))
+            try_ = work.Try(spec.get("limit", 0.0), spec.get("retry", False))
+            work.KINDS[spec["kind"]](work.Job(folder, spec["params"], inputs, record, spec["files"], try_))
     except (InputError, work.SolveFailed) as e:
         store.fail(key, about, str(e))
         return Outcome(key, spec["label"], "failed", str(e))
     for k in spec["drop"]:
         store.drop(k)
-    return Outcome(key, spec["label"], "done", seconds=record["seconds"])
+    again = f"at the second try, {record['retried']}; before: {record['before']}" if "retried" in record else ""
+    return Outcome(key, spec["label"], "done", again, record["seconds"])
 
 
-def _serial(store: Store, needed: dict[str, Step]) -> Iterator[Outcome]:
+def _spec(step: Step, r: Resources) -> dict[str, Any]:
+    return step.spec() | {"limit": r.limit, "retry": r.retry}
+
+
+def _serial(store: Store, needed: dict[str, Step], r: Resources) -> Iterator[Outcome]:
     for step in needed.values():
-        yield do(str(store.root), step.spec())
+        yield do(str(store.root), _spec(step, r))
 
 
-def _dask(plan: Work, store: Store, needed: dict[str, Step], scheduler: str) -> Iterator[Outcome]:
+def _local(store: Store, needed: dict[str, Step], r: Resources, tell: Tell) -> Iterator[Outcome]:
+    """On workers of this machine, planned stage by stage."""
+    for stage in stages(needed, store, r):
+        if stage.said:
+            tell(stage.said)
+        if stage.serial:
+            yield from _serial(store, stage.steps, r)
+        else:
+            yield from _dask(store, stage.steps, stage.resources, "local")
+
+
+def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -> Iterator[Outcome]:
     if not needed:
         return
     try:
@@ -104,20 +131,23 @@ def _dask(plan: Work, store: Store, needed: dict[str, Step], scheduler: str) -> 
             'the "local" scheduler and tcp:// addresses need Dask: pip install "febkit[dask]", '
             "or use --scheduler serial"
         ) from None
-    with _client(Client, plan.resources, len(needed), scheduler) as client:
+    with _client(Client, r, len(needed), scheduler) as client:
         _check_sight(client, store)
         futures: dict[str, Any] = {}
         root = str(store.root)
         for key, step in needed.items():
             first = [futures[i.key] for i in step.inputs.values() if i.key in futures]
             name = f"{step.kind}-{key}"
-            futures[key] = client.submit(do, root, step.spec(), *first, key=name, pure=False, retries=2)
+            futures[key] = client.submit(do, root, _spec(step, r), *first, key=name, pure=False, retries=2)
         label = {futures[k].key: s for k, s in needed.items()}
         for future in as_completed(list(futures.values())):
             step = label[future.key]
             error = future.exception()
             if error is None:
                 yield future.result()
+                continue
+            if any(futures[i.key].status == "error" for i in step.inputs.values() if i.key in futures):
+                yield Outcome(step.key, step.label, "skipped", "a step it rests on has not been done")
                 continue
             message = f"{type(error).__name__}: {error}"
             store.fail(step.key, {"kind": step.kind, "label": step.label}, message)
@@ -164,16 +194,8 @@ def fitting_workers(r: Resources) -> int:
     """Solves at a time: cores over threads each, and no more than memory has room for."""
     if r.workers:
         return r.workers
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    by_cores = max(1, cores // max(1, r.threads))
-    return max(1, min(by_cores, int(_free_memory() / r.memory)))
-
-
-def _free_memory() -> float:
-    """GB that are free now."""
-    import psutil  # type: ignore[import-untyped]
-
-    return float(psutil.virtual_memory().available) / 1e9
+    by_cores = max(1, cores() // max(1, r.threads))
+    return max(1, min(by_cores, int(free_memory() / r.memory)))
 
 
 def _check_sight(client: Any, store: Store) -> None:

@@ -19,6 +19,7 @@ VERSIONS: Mapping[str, int] = {
     "measure": 2,
     "compare": 3,
     "sample": 1,
+    "background": 1,
 }
 
 

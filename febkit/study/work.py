@@ -9,8 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from febkit.model import InputError
+
 if TYPE_CHECKING:
     from febkit.model import Model
+    from febkit.solver.result import Result
 
 MODEL, RESULTS, SERIES, METRICS, AGREEMENT, ERROR = (
     "model.feb",
@@ -27,6 +30,14 @@ class SolveFailed(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class Try:
+    """How hard a solve is tried: seconds after which it is given up (0: none), and whether once more if it fails."""
+
+    limit: float = 0.0
+    retry: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Job:
     """Where to write, what to do, folders of the inputs by name, and the step's record to add facts to."""
 
@@ -35,6 +46,7 @@ class Job:
     inputs: Mapping[str, Path]
     record: dict[str, Any]
     files: Mapping[str, str]
+    tried: Try = Try()
 
 
 def build(job: Job) -> None:
@@ -45,36 +57,83 @@ def build(job: Job) -> None:
     folder = values.pop("template", None)
     model = templates.new(job.params["template"], template=folder, **values)
     feb.write(model, job.folder / MODEL)
-    job.record["nodes"] = len(model.mesh.X)
+    _sized(job, model)
+
+
+def _sized(job: Job, model: Model) -> None:
+    """What is planned by, and told in reports."""
+    job.record["nodes"], job.record["unknowns"] = len(model.mesh.X), size(model)
     job.record["elements"] = sum(len(b.ids) for b in model.mesh.blocks)
+
+
+def size(model: Any) -> int:
+    """Unknowns of a model: three for each node, one more with a fluid, one for each solute."""
+    from febkit.model.species import solutes
+
+    wet = model.module in ("biphasic", "multiphasic", "solute", "biphasic-FSI")
+    return len(model.mesh.X) * (
+        3 + wet + (len(solutes(model)) if model.module in ("multiphasic", "solute") else 0)
+    )
 
 
 def adopt(job: Job) -> None:
     """A user's own model or plotfile, linked where the file system can, else copied."""
+    from febkit import feb
+
     for what, name in (("model", MODEL), ("results", RESULTS)):
         if what in job.files:
             try:
                 os.link(job.files[what], job.folder / name)
             except OSError:
                 shutil.copyfile(job.files[what], job.folder / name)
+    if "model" in job.files:
+        _sized(job, feb.read(job.folder / MODEL))
 
 
 def solve(job: Job) -> None:
-    """Solve a model; keeps the plotfile and the log."""
+    """Solve a model, where it fails once more with smaller steps; keeps the plotfile and the log."""
     from febkit import feb, process
-    from febkit.solving import solve as run
 
     process.keep_freed_memory()
     model = feb.read(job.inputs["model"] / MODEL)
-    threads = int(os.environ.get("FEBKIT_THREADS", "0"))
     said: list[str] = []
-    result = run(model, job.folder / RESULTS, job.folder / "run.log", threads=threads, warn=said.append)
+    result = _solved(job, model, said)
+    if not result.converged and job.tried.retry:
+        from .again import SAID, smaller_steps
+
+        job.record["before"], job.record["retried"] = result.reason, SAID
+        said.clear()
+        result = _solved(job, smaller_steps(model), said)
+        if not result.converged:
+            raise SolveFailed(f"{job.record['before']}; at a second try, {SAID}: {result.reason}")
     if not result.converged:
         raise SolveFailed(result.reason)
     job.record["steps"], job.record["iterations"] = result.totals.steps, result.totals.iterations
     job.record["compiling_seconds"] = round(result.totals.seconds.get("compiling", 0.0), 3)  # in "seconds" too
     job.record["warnings"] = said
     job.record["peak_memory_mb"] = _peak_memory()
+
+
+def _solved(job: Job, model: Model, said: list[str]) -> Result:
+    """One try. Raises SolveFailed where it takes longer than it may."""
+    import time
+
+    from febkit.solver.run import Listener, Run
+    from febkit.solving import solve as run
+
+    class Limit(Listener):
+        """Gives a solve up."""
+
+        until = time.monotonic() + job.tried.limit
+
+        def iteration(self, run: Run, it: object) -> None:
+            if time.monotonic() > self.until:
+                raise SolveFailed(f"given up after {job.tried.limit:g} s (limit of [run]), at time {run.state.time:g}")
+
+    threads = int(os.environ.get("FEBKIT_THREADS", "0"))
+    listeners = [Limit()] if job.tried.limit else []
+    paths = job.folder / RESULTS, job.folder / "run.log"
+    return run(model, *paths, threads=threads, warn=said.append, listeners=listeners)
 
 
 def series(job: Job) -> None:
@@ -85,6 +144,20 @@ def series(job: Job) -> None:
     with results.open(job.inputs["results"] / RESULTS, units=job.params.get("units")) as tissue:
         found = coupling.series(tissue, job.params["points"], beyond=True, **options)
     found.to_netcdf(job.folder / SERIES)
+
+
+def background(job: Job) -> None:
+    """A cell model whose surroundings are the tissue's own material at a point."""
+    from febkit import feb
+
+    from .background import with_background
+
+    tissue = job.inputs["tissue"] / MODEL
+    if not tissue.is_file():
+        raise InputError("the tissue has results alone: name its model too, [tissue] file = ..., for its material")
+    cell = feb.read(job.inputs["cell"] / MODEL)
+    model, job.record["said"] = with_background(cell, feb.read(tissue), job.params["at"], job.params["material"])
+    feb.write(model, job.folder / MODEL)
 
 
 def drive(job: Job) -> None:
@@ -176,4 +249,5 @@ KINDS: Mapping[str, Callable[[Job], None]] = {
     "measure": measure,
     "compare": compare,
     "sample": sample,
+    "background": background,
 }

@@ -219,7 +219,7 @@ def test_the_graph_shares_what_is_shared(tmp_path):
     assert {k: kinds.count(k) for k in kinds} == {"build": 2, "solve": 7, "series": 2, "drive": 6, "measure": 6}
     with_control = plan_of(tmp_path, "control=true")
     assert len(with_control.agreement) == 2
-    assert [k for k in with_control.metrics if k[1] == "control"] == [("A", "control", 0, 0)]
+    assert [k for k in with_control.metrics if k[1] == "control"] == [study.Place("A", "control")]
 
 
 def test_addresses_follow_content(tmp_path):
@@ -338,7 +338,7 @@ def test_what_was_dropped_is_made_again_only_when_asked_for(tmp_path, pretended)
     assert rows["drive"]["done, files dropped"] == 6 and rows["measure"]["done"] == 6
     assert not study.carry_out(p, "serial").done
     store = Store(p.study.folder)
-    store.drop(p.metrics["A", "1", 0, 0].key)
+    store.drop(p.metrics[study.Place("A", "1")].key)
     pretended.clear()
     study.carry_out(p, "serial")
     assert pretended == ["drive", "solve", "measure"]
@@ -393,7 +393,7 @@ def test_one_run_at_a_time(tmp_path, pretended):
 
 
 def test_workers_fit_the_machine(monkeypatch):
-    monkeypatch.setattr("febkit.study.run._free_memory", lambda: 10.0)
+    monkeypatch.setattr("febkit.study.run.free_memory", lambda: 10.0)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(16), raising=False)
     assert fitting_workers(Resources(threads=2, memory=1.0)) == 8
     assert fitting_workers(Resources(threads=1, memory=4.0)) == 2
@@ -418,13 +418,15 @@ def test_a_killed_worker_costs_no_result(tmp_path):
 
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    few = ("methods=['2/1']", "points={at=[[0,0,0],[0.1,0,0.05]]}")
-    p, q = plan_of(tmp_path / "a", *few, "run.workers=2", "run.memory=4"), plan_of(tmp_path / "b", *few)
+    few = ("methods=['2/1']", "points={depth=[0.4, 0.5]}", "coupling.background=tissue",
+           "zones={upper={depth=[0,0.45],cell_E=0.002}, lower={depth=[0.45,1]}}")  # fmt: skip
+    p, q = plan_of(tmp_path / "a", *few, "run.workers=2"), plan_of(tmp_path / "b", *few)
     over = study.carry_out(p, "local", kill_one)
     assert killed and over.complete
     assert sorted(o.key for o in over.done) == sorted(p.steps())
     assert study.carry_out(q, "serial").complete
     a, b = study.results(p), study.results(q)
+    assert a["zone"].values.tolist() == ["upper", "lower"]
     assert a.sizes == {"case": 1, "handoff": 1, "point": 2, "cell": 1, "time": 3, "axis": 3, "xyz": 3}
     assert np.isfinite(a["effective_strain"]).all()
     for name in a.data_vars:
