@@ -13,9 +13,9 @@ from .store import Store
 from .work import MODEL, size
 
 # MB of a process that solves a model of n unknowns by a factorisation: BASE + EACH n + FACTOR n^(4/3), the exponent
-# that nested dissection has in three dimensions; a fit to measured solves (docs/howto/depths.md)
-BASE, EACH, FACTOR = 250.0, 8e-3, 8e-4
-ROOM = 1.5  # a worker may hold so many times what is estimated
+# that nested dissection has in three dimensions; a fit to measured solves (docs/depths.md)
+BASE, EACH, FACTOR = 115.0, 3.7e-3, 1.2e-4
+ROOM = 2.0  # a worker may hold so many times what is estimated: a factor that is not symmetric is twice as large
 LEAST = 0.8  # GB of a worker
 LARGE = 20_000  # unknowns from which on a second thread is worth more than a second solve
 FEW = 4  # steps for each processor that need no cluster where none of them solves
