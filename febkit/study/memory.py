@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -23,7 +24,7 @@ FEW = 4  # steps for each processor that need no cluster where none of them solv
 
 def solve_memory(unknowns: int) -> float:
     """GB that a solve takes, estimated."""
-    return (BASE + EACH * unknowns + FACTOR * float(unknowns) ** (4 / 3)) / 1e3
+    return (BASE + EACH * unknowns + FACTOR * math.pow(unknowns, 4 / 3)) / 1e3
 
 
 @dataclass(frozen=True, slots=True)
