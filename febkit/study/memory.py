@@ -66,7 +66,8 @@ def stages(needed: Mapping[str, Step], store: Store, r: Resources) -> Iterable[S
         if most < LARGE and cores() * solve_memory(most) < free_memory():
             now = rest  # small enough to be at work side by side
         here = max((unknowns(store, s) for s in now.values() if s.kind == "solve"), default=0)
-        yield Stage(now, _planned(r, here, len(now)), here)
+        solves = sum(s.kind == "solve" for s in now.values())
+        yield Stage(now, _planned(r, here, solves or len(now)), here)
         rest = {k: s for k, s in rest.items() if k not in now}
 
 
@@ -84,10 +85,10 @@ def _ranks(needed: Mapping[str, Step]) -> dict[str, int]:
     return out
 
 
-def _planned(r: Resources, unknowns: int, steps: int) -> Resources:
-    """Workers that fit the machine, each with memory for a model of this size, and threads of what is left."""
+def _planned(r: Resources, unknowns: int, most: int) -> Resources:
+    """At ``most`` so many workers as fit the machine, memory for such a model each, threads of what is left."""
     need = max(LEAST, ROOM * solve_memory(unknowns))
-    fit = r.workers or max(1, min(cores() // (r.threads or 1), int(free_memory() / need), steps))
+    fit = r.workers or max(1, min(cores() // (r.threads or 1), int(free_memory() / need), most))
     threads = r.threads or (max(1, cores() // fit) if unknowns >= LARGE or fit == 1 else 1)
     return replace(r, workers=fit, threads=threads, memory=float(f"{need:.3g}"))
 
