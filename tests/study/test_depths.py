@@ -398,9 +398,9 @@ def test_estimates_grow_with_the_model_and_the_users_number_wins(tmp_path, monke
     assert first.serial and {s.kind for s in first.steps.values()} == {"build"}
     assert tissue.unknowns == 200_000 and tissue.resources.memory >= solve_memory(200_000)
     assert tissue.resources.workers * tissue.resources.memory <= 30.0 and tissue.resources.threads > 1
-    assert cells.unknowns == 3_000 and (cells.resources.workers, cells.resources.threads) == (4, 1)
+    assert cells.unknowns == 3_000 and (cells.resources.workers, cells.resources.threads) == (3, 1)
     assert sum(len(s.steps) for s in (first, tissue, cells)) == len(p.steps())
     (one,) = plan(Resources(2, 3.0))
     assert (one.resources.threads, one.resources.memory) == (2, 3.0) and len(one.steps) == len(p.steps())
-    assert [s.resources.workers for s in plan(Resources(0, 0.0, 3))][-1] == 3
+    assert [s.resources.workers for s in plan(Resources(0, 0.0, 2))][-1] == 2
     assert size(templates.new("tissue", n=3)) == 4 * 64
