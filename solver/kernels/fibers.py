@@ -71,7 +71,7 @@ def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
                     T[p] += k * S[p]
                 if c.shape[0] > 0:
                     add_circles(h, 0, k, N, B)
-        _add(s, c, i, J[i], T, h, iso)
+        add_sums(s, c, i, J[i], T, h, iso)
 
 
 @kernel
@@ -125,11 +125,11 @@ def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
                 M[4, 1] += gy * xz
                 M[4, 2] += gz * xz
         _fill(M, h)
-        _add(s, c, i, J[i], T, h, iso)
+        add_sums(s, c, i, J[i], T, h, iso)
 
 
 @kernel
-def _add(s, c, i, J, T, h, iso):
+def add_sums(s, c, i, J, T, h, iso):
     """Add stress T / J and tangent h / J of point i, deviatoric ones where ``iso``."""
     if iso:
         add_deviatoric_stress(s, i, 1.0 / J, T)

@@ -18,6 +18,7 @@ def prony(F, J, se, par, dt, at, old, new, s, scale):
     """
     terms = (par.shape[1] - 1) // 2
     A, T, S = np.empty((3, 3)), np.empty((3, 3)), np.empty(6)
+    fade, grow = np.empty(terms), np.empty(terms)  # exp(-x) and (exp(-x) - 1) / x, x = dt / t
     P, Q = np.array([0, 1, 2, 0, 1, 0]), np.array([0, 1, 2, 1, 2, 2])
     for i in range(len(J)):
         m = i if par.shape[0] > 1 else 0
@@ -32,6 +33,10 @@ def prony(F, J, se, par, dt, at, old, new, s, scale):
         T[0, 1] = T[1, 0] = se[i, 3]
         T[1, 2] = T[2, 1] = se[i, 4]
         T[0, 2] = T[2, 0] = se[i, 5]
+        if i == 0 or par.shape[0] > 1:
+            for j in range(terms):
+                x = dt / par[m, terms + 1 + j]
+                fade[j], grow[j] = math.exp(-x), math.expm1(-x) / x
         scale[i] = par[m, 0]
         for v in range(6):
             p, q = P[v], Q[v]
@@ -45,15 +50,13 @@ def prony(F, J, se, par, dt, at, old, new, s, scale):
             if len(new) > 0:
                 new[i, at + v] = Se
             for j in range(terms):
-                x = dt / par[m, terms + 1 + j]
                 w = at + 6 * (j + 1) + v
-                H = math.exp(-x) * old[i, w] - math.expm1(-x) / x * rate
+                H = fade[j] * old[i, w] - grow[j] * rate
                 S[v] += par[m, j + 1] * H
                 if len(new) > 0:
                     new[i, w] = H
         for j in range(terms):
-            x = dt / par[m, terms + 1 + j]
-            scale[i] -= par[m, j + 1] * math.expm1(-x) / x
+            scale[i] -= par[m, j + 1] * grow[j]
         T[0, 0], T[1, 1], T[2, 2] = S[0], S[1], S[2]
         T[0, 1] = T[1, 0] = S[3]
         T[1, 2] = T[2, 1] = S[4]
