@@ -18,7 +18,7 @@ from .curves import curve, of_one
 from .laws import law
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
-THREE_FIELD = {"hex8", "penta6", "pyra5", "tet10", "tet15", "tet20"}
+THREE_FIELD = {"hex8", "penta6", "pyra5"}
 OPTIONS = frozenset({"laugon", "atol", "minaug", "maxaug", "elem_type", "three_field", "but4", "secant_stress", "secant_tangent"})  # noqa: E501
 MIXTURES = ("biphasic-solute", "triphasic", "multiphasic")  # read by mixtures, which is imported where one is there
 # written by FEBio Studio, of no meaning to a solver
