@@ -8,11 +8,14 @@ not vary in space, else (n,). Values know nothing of files: the caller hands in 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .elements.base import Element
 
 Floats = NDArray[np.float64]
 
@@ -94,6 +97,38 @@ class Map:
 
     def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
         return self.data if e is None else self.data[e]
+
+
+@dataclass(slots=True, eq=False)
+class Within:
+    """A field by values at the nodes of a block's elements, ``data`` (m, n); the nodes are at ``nodes`` (m, n, 3)."""
+
+    element: Element
+    nodes: Floats
+    data: Floats
+    constant: bool = False
+    steady: bool = True
+    known: dict[tuple[int, bytes, bytes], Floats] = field(default_factory=dict, init=False, repr=False)
+
+    def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats:
+        if e is None:
+            raise ValueError("a field within elements has values at points of elements alone")
+        places = len(X), X[:1].tobytes(), X[-1:].tobytes()  # of a chunk, which asks at each iteration
+        if places not in self.known:
+            self.known[places] = (self.element.shape(self.natural(X, e)) * self.data[e]).sum(axis=1)
+        return self.known[places]
+
+    def natural(self, X: Floats, e: NDArray[np.int64]) -> Floats:
+        """Natural coordinates (p, dim) of places X in elements e, by Newton's method."""
+        corners, r = self.nodes[e], np.tile(self.element.center.astype(float), (len(X), 1))
+        for _ in range(20):
+            off = X - np.einsum("pn,pni->pi", self.element.shape(r), corners)
+            slope = np.einsum("pna,pni->pia", self.element.gradient(r), corners)
+            step = np.linalg.solve(slope, off[..., None])[..., 0]
+            r += step
+            if not len(r) or np.abs(step).max() < 1e-12:
+                break
+        return r
 
 
 def as_value(v: float | int | Value) -> Value:

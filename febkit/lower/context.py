@@ -284,6 +284,10 @@ class Context:
         facets = maps.removeprefix(FACETS) if maps.startswith(FACETS) else ""
         if not maps:
             self.refuse(f"a map as <{leaf.tag}>", leaf.where)
+        elif data.kind == "element" and maps in self.blocks and data.spec.type == "surface-to-surface map":
+            from .generated import between
+
+            return between(self, data, self.blocks[maps])
         elif data.kind == "element" and maps in self.blocks:
             return Map(self.element_rows(leaf, maps, 1, name)[:, 0])
         elif data.kind == "node" and not facets and maps not in self.blocks and self._listed(data):

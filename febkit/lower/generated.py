@@ -11,6 +11,7 @@ from febkit.model import ElementBlock, InputError, MeshData
 from febkit.model.mesh import Mesh
 from febkit.model.sets import element_ids, node_indices, surface
 from febkit.solver import elements
+from febkit.solver.values import Within
 
 if TYPE_CHECKING:
     from .context import Context
@@ -50,6 +51,37 @@ def surface_to_surface(mesh: Mesh, d: MeshData) -> Floats:
         v = _unit(np.cross(v, n))
     v = _turned(v, _unit(np.cross(v, n)), np.radians(spec.float("out_angle", 0.0)))
     return _turned(v, n, np.radians(spec.float("in_angle", 0.0)))
+
+
+def between(ctx: Context, d: MeshData, block: ElementBlock) -> Within:
+    """A function of where a node lies between two surfaces, 0 on the first and 1 on the second, within the elements.
+
+    w = L1 / (L1 + L2), L the distances from <bottom_surface> and <top_surface>. FEBio user manual,
+    "surface-to-surface map".
+    """
+    from .curves import curve
+    from .nearest import distances
+
+    mesh, nodes = ctx.model.mesh, np.unique(block.conn)
+    _covers(mesh, d, block)
+    ctx.check_tags(d.spec, {"function", "bottom_surface", "top_surface"})
+    sides = [d.spec.need(tag) for tag in ("bottom_surface", "top_surface")]
+    low, high = (distances(mesh.X, surface(mesh, s.text.strip(), s.where), mesh.X[nodes]) for s in sides)
+    apart = low + high
+    f = curve(ctx, d.spec.need("function"))
+    value = np.zeros(len(mesh.X))
+    value[nodes] = 0.0 if f is None else f(low / np.where(apart > 0.0, apart, 1.0))
+    return Within(elements.get(block.type), mesh.X[block.conn], value[block.conn])
+
+
+def _covers(mesh: Mesh, d: MeshData, block: ElementBlock) -> None:
+    """Raise InputError where a map does not hold all elements of a part, or these are no solids."""
+    bare = ~np.isin(block.ids, element_ids(mesh, d.set, d.where))
+    if bare.any():
+        e = block.ids[int(np.argmax(bare))]
+        raise InputError(f'the map "{d.name}" says nothing of element {e} of "{block.name}"', d.where)
+    if block.type not in elements.VOLUMES:
+        raise InputError(f'element data "{d.name}" needs solid elements; "{block.name}" has {block.type}', d.where)
 
 
 def _gradients(mesh: Mesh, b: ElementBlock, d: MeshData) -> tuple[Floats, Floats]:
