@@ -84,6 +84,7 @@ MATERIALS = {
         "</membrane_reaction></material>"),
 }  # fmt: skip
 FIBERS = '<material id="1" name="m" type="fiber-NH"><mu>1</mu><fiber type="map">v</fiber></material>'
+MAPPED = '<material id="1" name="m" type="neo-Hookean"><E type="map">v</E><v>0</v></material>'
 ALONG = ('<MeshData><ElementData name="v" elem_set="p" type="{}"><surface1>s</surface1><surface2>t</surface2>'
          '</ElementData></MeshData>')  # fmt: skip
 REMODELED = ('<material id="1" name="m" type="remodeling solid"><solid type="{}"/><supply type="Huiskes-supply">'
@@ -137,6 +138,7 @@ def _models(kind: str, name: str) -> Iterator[str]:
         yield from (MODEL.format(**fields | {"sections": s.format(said)}) for s in SECTIONS[kind])
         if kind == "data generator":
             yield MODEL.format(**fields | {"material": FIBERS, "sections": ALONG.format(said)})
+            yield MODEL.format(**fields | {"material": MAPPED, "sections": ALONG.format(said)})
     elif kind in MATERIALS:
         of = next((m for m, known in USUAL.items() if f'type="{m}"' in MATERIALS[kind] and known), "solid")
         yield MODEL.format(**fields | {"module": of, "material": MATERIALS[kind].format(said)})

@@ -21,10 +21,10 @@ leave the solver's type out for Newton's method, which may find another equilibr
 it makes where a step ended the reference, which febkit keeps throughout: prestrain
 the older form of sliding-biphasic, which serves the same end: sliding2
 it says how much a mesh must be refined: relative error
-its values vary within elements or facets, which those of febkit's maps do not: defgrad; parabolic map
 febkit takes the usual integration of the element: sri-solid; udg-hex
 no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;
-  pressure_stabilization; surface attraction; sliding-biphasic-mixed; element data
+  pressure_stabilization; surface attraction; sliding-biphasic-mixed; element data; defgrad;
+  parabolic map
 springs do not erode in febkit: spring force; spring stretch
 """
 
