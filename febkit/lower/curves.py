@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from febkit.model import Component, InputError
 
-from .context import Context, compiled, load_curve
+from .functions import compiled, load_curve
+
+if TYPE_CHECKING:
+    from .context import Context
 
 
 class Curve:

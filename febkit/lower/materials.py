@@ -13,8 +13,9 @@ from febkit.solver.solids import registry
 from febkit.solver.solids.base import Property
 
 from . import element_types, shells
-from .context import Context, compiled
+from .context import Context
 from .curves import curve, of_one
+from .functions import compiled
 from .laws import law
 
 # elements FEBio gives the three-field formulation where the material is uncoupled
