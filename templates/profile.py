@@ -54,6 +54,14 @@ class Profile:
         made = CubicSpline(d, v, bc_type="natural") if self.rule == "cubic" else PchipInterpolator(d, v)
         return np.asarray(made(x), float)
 
+    def plain(self) -> Any:
+        """The value that gives this profile without any file."""
+        if self.rule == "zones":
+            return list(self.values)
+        if not self.depths:
+            return self.values[0]
+        return {"points": [list(row) for row in zip(self.depths, self.values, strict=True)], "rule": self.rule}
+
     def samples(self) -> list[tuple[float, float]]:
         """(depth, value) where bounds are to be held: all rows, and 400 depths along splines; NaN for the depth of
         none."""

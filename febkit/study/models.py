@@ -77,9 +77,23 @@ def tissues(base: Table, cases: tuple[Case, ...], home: Path, where: Where) -> d
                 where,
             )
         table = dict(own) if "file" in own else {**base, **own}
-        out[c.name] = table
         if "file" not in table:
+            table = with_rows(table, home, where)
             check(table, "tissue", where)
+        out[c.name] = table
+    return out
+
+
+def with_rows(tissue: Table, home: Path, where: Where) -> dict[str, Any]:
+    """Profiles over depth as the rows of their CSV files, relative to the study: a step is known by what it is made of,
+    wherever it runs."""
+    from febkit.templates.profile import anchored, profile
+
+    out, known = dict(tissue), template_of(tissue, "tissue").parameters
+    for name, value in tissue.items():
+        if name in known and known[name].kind == "field":
+            p = profile(name, anchored(value, Where(str(home / "study"))), where)
+            out[name] = p.plain() if p.file else value
     return out
 
 

@@ -175,6 +175,22 @@ def test_a_tissue_of_ones_own_is_one_case(tmp_path):
         plan_of(tmp_path, text + "[cases.x]\nramp = 1\n")
 
 
+def test_profiles_of_the_tissue_are_known_by_their_rows(tmp_path):
+    """Not by the path of their file, which is relative to the study and may be edited."""
+    (tmp_path / "E.csv").write_text("depth,E\n0,0.2\n1,0.8\n")
+    text = 'methods = ["1"]\n[tissue]\ntemplate = "cartilage"\nsize = "small"\n'
+    text += 'E = {file = "E.csv", rule = "monotone"}\nk0 = 1e-3\n' + SMALL[SMALL.index("[cell]") :]
+    p = plan_of(tmp_path, text)
+    (tissue,) = p.study.tissues.values()
+    assert tissue["E"] == {"points": [[0.0, 0.2], [1.0, 0.8]], "rule": "monotone"} and tissue["k0"] == 1e-3
+    build = {s.label: s.key for s in p.steps().values() if s.kind == "build"}
+    (tmp_path / "E.csv").write_text("depth,E\n0,0.2\n1,0.9\n")
+    again = {s.label: s.key for s in plan_of(tmp_path, text).steps().values() if s.kind == "build"}
+    assert {name for name in build if build[name] != again[name]} == {"own tissue: build"}
+    with pytest.raises(InputError, match=r"cannot read .*none\.csv"):
+        plan_of(tmp_path, text.replace("E.csv", "none.csv"))
+
+
 def test_variants_are_models_side_by_side(tmp_path):
     text = 'cases = ["A"]\n' + SMALL.partition("[cases")[0] + SMALL[SMALL.index("[tissue]") : SMALL.index("[points]")]
     two = "[variants]\nedge = [0.03, 0.06]\ncells = [1, 8]\n[variants.embedded]\nlateral = [2, 3]\n"
