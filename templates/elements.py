@@ -13,7 +13,7 @@ _EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4)
 _FACES = ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (0, 1, 2, 3), (4, 5, 6, 7))
 # six tetrahedra around the diagonal 0-6, two wedges beside the plane 0-2-6-4: conforming from cube to cube
 _TETS = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))
-_TET_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+TET_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 _WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))
 
 
@@ -28,7 +28,7 @@ _HEX27 = np.concatenate([_HEX20, _with_middles(_CORNERS[None], (*_FACES, tuple(r
 # element type: positions (element of a cube, local node, 3)
 FILLS: dict[str, Ints] = {
     "hex8": _CORNERS[None], "hex20": _HEX20, "hex27": _HEX27, "tet4": _CORNERS[np.array(_TETS)],
-    "tet10": _with_middles(_CORNERS[np.array(_TETS)], _TET_EDGES), "penta6": _CORNERS[np.array(_WEDGES)],
+    "tet10": _with_middles(_CORNERS[np.array(_TETS)], TET_EDGES), "penta6": _CORNERS[np.array(_WEDGES)],
 }
 
 

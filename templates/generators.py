@@ -43,6 +43,11 @@ def _tissue(p: dict[str, Any]) -> Generated:
     return _from_file(p) if p.get("mesh_file") else _finished(tissue_cube(p), {})
 
 
+def _given(p: Mapping[str, Any]) -> bool:
+    """Whether the mesh is the user's."""
+    return bool(p.get("mesh_file") or p.get("surfaces"))
+
+
 def _enclosed(made: Parts, p: Mapping[str, Any]) -> Parts:
     """The mesh with membranes on its cells, where they have a thickness."""
     if not p.get("membrane_thickness"):
@@ -55,7 +60,7 @@ def _enclosed(made: Parts, p: Mapping[str, Any]) -> Parts:
 def _cell(p: dict[str, Any]) -> Generated:
     from .cell_cube import cell_cube, volume_report
 
-    if p.get("mesh_file"):
+    if _given(p):
         return _from_file(p)
     cube = cell_cube(p)
     more: dict[str, Any] = {"cells": sum(len(c.cells) for c in cube.cells), "centres": cube.places.centres}
@@ -66,7 +71,7 @@ def _embedded(p: dict[str, Any]) -> Generated:
     from .cell_cube import volume_report
     from .embedded_cube import embedded_cube
 
-    if p.get("mesh_file"):
+    if _given(p):
         return _from_file(p)
     whole = embedded_cube(p)
     cube = whole.inner
@@ -78,7 +83,7 @@ def _embedded(p: dict[str, Any]) -> Generated:
 def _chondron(p: dict[str, Any]) -> Generated:
     from .chondron_block import chondron_block
 
-    if p.get("mesh_file"):
+    if _given(p):
         return _from_file(p)
     block = chondron_block(p)
     return _finished(_enclosed(block.mesh, p), block.report())
@@ -91,13 +96,21 @@ def _cartilage(p: dict[str, Any]) -> Generated:
 
 
 def _from_file(p: dict[str, Any]) -> Generated:
-    from .user_mesh import user_mesh
+    from . import segmented
+    from .user_mesh import named_image, user_mesh
 
-    if not p.get("mesh_file"):
+    file, names, scale = p.get("mesh_file", ""), p.get("part_names", {}), float(p.get("scale", 1.0))
+    if p.get("surfaces"):
+        made = segmented.from_surfaces(p["surfaces"], scale)
+    elif not file:
         raise InputError("set mesh_file to the mesh to read (any format of meshio)")
-    made = user_mesh(p["mesh_file"], p.get("part_names", {}), p.get("part_array", ""),
-                     float(p.get("scale", 1.0)))
-    return _finished(_enclosed(made, p), {"read from": p["mesh_file"]})
+    elif file.lower().endswith(segmented.IMAGES):
+        made = named_image(file, names, p.get("voxel", []), int(p.get("smoothing", 10)))
+    else:
+        made = user_mesh(file, names, p.get("part_array", ""), scale)
+        return _finished(_enclosed(made, p), {"read from": file})
+    made = segmented.quadratic(made) if p.get("tets") == "tet10" else made
+    return _finished(_enclosed(made, p), {"made of": file or ", ".join(p["surfaces"].values())})
 
 
 GENERATORS: dict[str, Callable[[dict[str, Any]], Generated]] = {

@@ -8,7 +8,7 @@ inside that encloses nothing is a cell, a part between is the PCM of the cells i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,16 @@ def user_mesh(path: str | Path, names: Mapping[str, str], array: str = "", scale
             groups.setdefault((int(value), kind), []).append(_upright(X, kind, conn[tag == value], where))
     merged = {key: np.concatenate(c) for key, c in groups.items()}
     return _named(X, merged, names, m.field_data, where)
+
+
+def named_image(path: str | Path, names: Mapping[str, str], voxel: Sequence[float], smoothing: int) -> Parts:
+    """Tetrahedra in an image of labels, its parts named as those of a mesh."""
+    from .segmented import from_image
+
+    where = Where(str(path))
+    X, found = from_image(path, voxel, smoothing)
+    groups = {key: _upright(X, key[1], conn, where) for key, conn in found.items()}
+    return _named(X, groups, names, {}, where)
 
 
 def _tags(m: Any, blocks: list[tuple[str, Ints, int]], array: str, where: Where) -> list[Ints]:
