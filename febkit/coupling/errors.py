@@ -75,7 +75,8 @@ def of_series(field: Field, where: Location, points: Floats, box: Any, handed: R
 
     ``handed`` gives the coefficients of each order, ``third`` those of the third order by the recovery to trust most.
     Of each quantity ``_error`` (order, point, time), ``_error_by_part``, and ``_scale`` (point, time), its largest
-    value in the box by the tissue's own field; ``modulus`` (point,), see :func:`_moduli`.
+    value in the box by the tissue's own field; ``modulus`` and ``permeability`` (point,), see
+    :func:`_properties`.
     """
     places = lattice(box)
     t = len(field.times)
@@ -101,9 +102,11 @@ def of_series(field: Field, where: Location, points: Floats, box: Any, handed: R
         out[f"{name}_error_by_part"] = (("part", *dims), by_part, {"long_name": f"parts of {name}_error"} | about)
         out[f"{name}_scale"] = (dims[1:], scale, {"long_name": f"largest {text} in the box, by the tissue"} | about)
     if "p" in field.columns:
-        about = {"units": known.of("P")} if known else {}
-        out["modulus"] = (("point",), _moduli(third, field.columns, 0.5 * float(np.ptp(places, axis=0).max())),
-                          {"long_name": "aggregate modulus of the tissue, by its balance of momentum"} | about)
+        H, k = _properties(third, field.times, field.columns, 0.5 * float(np.ptp(places, axis=0).max()))
+        of_tissue = (("modulus", H, "aggregate modulus of the tissue, by its balance of momentum", "P"),
+                     ("permeability", k, "permeability of the tissue, by its balance of mass", "L^2/P.t"))
+        for name, values, text, symbol in of_tissue:
+            out[name] = (("point",), values, {"long_name": text} | ({"units": known.of(symbol)} if known else {}))
     about = {"units": known.of("L")} if known else {}
     out["box"] = (("end", "i"), np.stack([places.min(axis=0), places.max(axis=0)]),
                   {"long_name": "box of the cell model, from the point"} | about)
@@ -237,22 +240,29 @@ def _edges(field: Field, where: Location) -> Floats:
     return out
 
 
-def _moduli(third: Floats, columns: dict[str, slice], a: float) -> Floats:
-    """Aggregate modulus (m,) by the tissue's balance of momentum alone, div sigma_e = grad p; nan where nothing bends.
+def _properties(third: Floats, times: Floats, columns: dict[str, slice], a: float) -> tuple[Floats, Floats]:
+    """Aggregate modulus H and permeability k (m,) of the tissue, by its balances alone; nan where nothing happens.
 
-    H = sum |d^n grad p| |d^n grad grad u| a^2n / sum |d^n grad grad u|^2 a^2n over times and n = 0, 1, with ``a`` half
-    the box's edge: by what a difference of pressure strains the solid.
+    div sigma_e = grad p has H = sum |d^n grad p| |d^n grad grad u| / sum |d^n grad grad u|^2, and d(div u)/dt = k lap p
+    has k = sum |d^n d(div u)/dt| |d^n lap p| / sum |d^n lap p|^2, over steps in time by their length, and n = 0, 1 by
+    a^2n, with ``a`` half the box's edge. Exact for isotropic small strains along one axis.
     """
     u, p = third[..., columns["u"]], third[..., columns["p"].start]
     index = {t: k for k, t in enumerate(TERMS)}
-    over, under = np.zeros(len(third)), np.zeros(len(third))
+    dt = np.diff(times)
+    sums = np.zeros((4, len(third)))
     for tail in ((), (0,), (1,), (2,)):
-        weight = a ** (2 * len(tail))
+        at = [[index[tuple(sorted((i, j, *tail)))] for j in range(3)] for i in range(3)]
         force = np.stack([p[:, :, index[tuple(sorted((i, *tail)))]] for i in range(3)], axis=-1)
-        bend = np.stack([u[:, :, index[tuple(sorted((i, j, *tail)))]] for i in range(3) for j in range(3)], axis=-1)
-        f, b = np.linalg.norm(force, axis=-1), np.linalg.norm(bend, axis=(-1, -2))
-        over, under = over + weight * (f * b).sum(axis=1), under + weight * (b * b).sum(axis=1)
-    return np.asarray(np.where(under > 0, over / np.where(under > 0, under, 1.0), np.nan))
+        bend = np.stack([u[:, :, at[i][j]] for i in range(3) for j in range(3)], axis=-1)
+        spread = p[:, :, [at[i][i] for i in range(3)]].sum(axis=-1)
+        swell = np.stack([u[:, :, index[tuple(sorted((i, *tail)))], i] for i in range(3)]).sum(axis=0)
+        f, b = (np.linalg.norm(v, axis=axes)[:, 1:] for v, axes in ((force, -1), (bend, (-1, -2))))
+        rate, mean = np.abs(np.diff(swell, axis=1)) / dt, 0.5 * np.abs(spread[:, 1:] + spread[:, :-1])
+        sums += a ** (2 * len(tail)) * np.stack([(v * dt).sum(axis=1) for v in (f * b, b * b, rate * mean, mean**2)])
+    over, under = sums[::2], sums[1::2]
+    H, k = np.where(under > 0, over / np.where(under > 0, under, 1.0), np.nan)
+    return H, k
 
 
 def choose(found: dict[str, Any]) -> dict[str, Any]:
@@ -327,7 +337,7 @@ def estimate(driving: xr.Dataset, point: int = 0, order: int | None = None, flui
     of_each = {"u": order, "p": min(order, 2) if fluid_order is None else fluid_order}
     of_each["c"] = of_each["p"] if solute_order is None else solute_order
     one = driving.isel(point=point)
-    fields = {n: one[n] for n in ("modulus", "box") if n in one}
+    fields = {n: one[n] for n in ("modulus", "permeability", "box") if n in one}
     for name, (of, *_) in QUANTITIES.items():
         if f"{name}_error" in one and of_each[of] > 0:
             for v in (f"{name}_error", f"{name}_error_by_part"):

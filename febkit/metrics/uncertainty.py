@@ -1,19 +1,23 @@
 """What the estimated error of a hand-off makes of the metrics of the cells that it drives.
 
-    e(t) = sqrt(e_strain^2 + (a e_grad_p / H)^2),    <metric>_uncertainty = S e,    S = max_t |metric| / max_t strain
+    <metric>_uncertainty = S e,    S = max_t |metric| / max_t strain,    e = sqrt(e_strain^2 + d^2),
+    dd/dt = (a e_grad_p / H - d) / tau,    tau = a^2 / (H k)
 
-e_strain is the estimated error of the strain handed over; e_grad_p that of the pressure's gradient, which strains the
-solid by a e_grad_p / H across half the box's edge a, H the tissue's aggregate modulus. S, one number for each cell and
-metric, is how a metric answers to the strain handed over: a secant over the history of this very result. Of the mass
-exchange, a rate, the uncertainty is rho V S_V e / t: a strain error that came about in the time t, S_V that of the
-volumetric strain.
+e_strain is the estimated error of the strain handed over. That of the pressure's gradient strains the solid by
+a e_grad_p / H across half the box's edge a once fluid has moved, which takes the time tau; H and k are the tissue's
+aggregate modulus and permeability, by its own balances. S, one number for each cell and metric, is how a metric answers
+to the strain handed over: a secant over the history of this very result.
 
-An estimate, and no bound: of the error of the hand-off alone, not of the cell model's own mesh, nor of its being softer
-than the tissue it stands in. docs/handoff.md compares it with true errors.
+Of the mass exchange, a rate, it is rho V S_V (e_strain / (t + tau) + d / tau): a strain that came about in the time t,
+and one that does in tau; S_V is that of the volumetric strain.
+
+An estimate, and no bound: of the error of the hand-off alone, not of the cell model's own mesh, nor of what soft cells
+do to the tissue around them. docs/handoff.md compares it with true errors.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -30,8 +34,45 @@ Floats = NDArray[np.float64]
 BY_STRAIN = ("aspect_ratio_change", "volumetric_strain", "effective_strain", "effective_stress", "max_shear_strain",
              "axes_ratio_change")  # fmt: skip
 RATES = ("mass_exchange_rate", "volume_loss_rate")
-FORMULA = "max |metric| / max strain handed over * sqrt(strain_error^2 + (a grad_p_error / modulus)^2)"
-OF_RATES = "rho V max |volumetric strain| / max strain handed over * the same / t"
+FORMULA = "max |metric| / max strain handed over * sqrt(e_strain^2 + d^2), see febkit.metrics.uncertainty"
+OF_RATES = "rho V max |volumetric strain| / max strain handed over * (e_strain / (t + tau) + d / tau)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strains:
+    """Errors of the strain over ``times`` (t,): ``surface``, handed over, and ``drag``, by the pressure's gradient.
+
+    ``delay`` is the time in which fluid moves across the box, ``scale`` the largest strain handed over, ``lacking``
+    what is not known.
+    """
+
+    times: Floats
+    surface: Floats
+    drag: Floats
+    delay: float
+    scale: float
+    lacking: str = ""
+
+    @classmethod
+    def of(cls, found: xr.Dataset) -> Strains:
+        """Of an estimate (febkit.coupling.estimate)."""
+        t, e = (np.asarray(found[n].values, dtype=float) for n in ("time", "strain_error"))
+        scale = float(found["strain_scale"].max())
+        H, k = (float(found[n]) if n in found else np.nan for n in ("modulus", "permeability"))
+        if "grad_p_error" not in found or not (H > 0 and k > 0):
+            return cls(t, e, np.zeros_like(e), 0.0, scale, "the error of the pressure, which is not known")
+        half = 0.5 * float(np.ptp(found["box"].values, axis=0).max())
+        push, delay = half / H * found["grad_p_error"].values, half**2 / (H * k)
+        drag = np.zeros_like(e)
+        for n in range(1, len(t)):
+            left = np.exp(-(t[n] - t[n - 1]) / delay)
+            drag[n] = left * drag[n - 1] + (1.0 - left) * push[n]
+        return cls(t, e, drag, delay, scale)
+
+    def at(self, times: Floats) -> tuple[Floats, Floats]:
+        """``surface`` and ``drag`` at other times; nan before and after those of the estimate."""
+        return (np.interp(times, self.times, self.surface, left=np.nan, right=np.nan),
+                np.interp(times, self.times, self.drag, left=np.nan, right=np.nan))
 
 
 def opened(error: xr.Dataset | str | PathLike[str]) -> xr.Dataset:
@@ -52,37 +93,29 @@ def add(data: xr.Dataset, error: xr.Dataset | str | PathLike[str], density: floa
     ``attrs["uncertainty"]`` says what it is, and of which metrics it is not known. Times before and after those of the
     estimate have nan.
     """
-    found = opened(error)
+    strains = Strains.of(opened(error))
     times = np.asarray(data["time"].values, dtype=float)
-    e, lacking = strain_error(found)
-    at = np.interp(times, found["time"].values, e, left=np.nan, right=np.nan)
-    top = float(found["strain_scale"].max())
-    for name in BY_STRAIN:
-        if name in data and top > 0:
-            largest = np.abs(data[name].values).max(axis=1, initial=0.0, where=np.isfinite(data[name].values))
-            _put(data, name, (largest / top)[:, None] * at, FORMULA)
+    surface, drag = strains.at(times)
+    for name in (n for n in BY_STRAIN if n in data and strains.scale > 0):
+        _put(data, name, _answer(data, name, strains)[:, None] * np.hypot(surface, drag), FORMULA)
     if "volumetric_strain_uncertainty" in data:
-        moved = density * data["volume"].values[:, :1] * data["volumetric_strain_uncertainty"].values
         with np.errstate(divide="ignore", invalid="ignore"):
-            rate = np.where(times > 0, moved / times, np.nan)
-        for name in RATES:
-            if name in data:
-                _put(data, name, rate, OF_RATES)
+            rate = surface / (times + strains.delay) + (drag / strains.delay if strains.delay else 0.0)
+        moved = density * data["volume"].values[:, :1] * _answer(data, "volumetric_strain", strains)[:, None]
+        for name in (n for n in RATES if n in data):
+            _put(data, name, moved * np.where(np.isfinite(rate), rate, np.nan), OF_RATES)
     unknown = [str(n) for n in data if data[n].dims[:2] == ("cell", "time") and f"{n}_uncertainty" not in data
                and not str(n).endswith("_uncertainty")]  # fmt: skip
     said = ["estimated from the error of the hand-off alone, no bound; not of the cell model's own mesh"]
-    said += [f"without {lacking}"] if lacking else []
+    said += [f"without {strains.lacking}"] if strains.lacking else []
     said += [f"not known of {', '.join(unknown)}"] if unknown else []
     return data.assign_attrs(uncertainty="; ".join(said))
 
 
-def strain_error(found: xr.Dataset) -> tuple[Floats, str]:
-    """e (t,) of an estimate, and what it lacks, in words."""
-    e = found["strain_error"].values
-    if "grad_p_error" not in found or not np.isfinite(float(found.get("modulus", np.nan))):
-        return e, "the error of the pressure, which is not known"
-    half = 0.5 * float(np.ptp(found["box"].values, axis=0).max())
-    return np.hypot(e, half * found["grad_p_error"].values / float(found["modulus"])), ""
+def _answer(data: xr.Dataset, name: str, strains: Strains) -> Floats:
+    """Largest value of a metric over times by the largest strain handed over (cell,)."""
+    values = np.abs(data[name].values)
+    return np.asarray(values.max(axis=1, initial=0.0, where=np.isfinite(values)) / strains.scale)
 
 
 def _put(data: xr.Dataset, name: str, values: Floats, formula: str) -> None:

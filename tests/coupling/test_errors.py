@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,7 +63,7 @@ def test_a_strain_is_off_by_the_gradient_that_is_left_out():
     top = 0.2 * EDGE / 2  # du_z/dz at the box's end
     assert found["strain_error"].values[-1] == pytest.approx(top + top**2 / 2, rel=1e-6)
     assert found["strain_scale"].values[-1] == pytest.approx(top + top**2 / 2, rel=1e-6)
-    assert "p_error" not in found and "modulus" not in found
+    assert "p_error" not in found and "modulus" not in found and "permeability" not in found
 
 
 def smooth(X):
@@ -154,13 +156,22 @@ def test_a_box_that_sticks_out_of_the_tissue_counts_inside():
     assert np.isfinite(found["u_error"].values).all() and float(found["u_error"][-1]) > 0
 
 
-def test_the_balance_of_momentum_gives_the_modulus():
-    """u_z = a z^2, p = 2 a H z: div sigma_e = H u_zz = grad p."""
-    def u(X):
-        return 0.05 * np.stack([0 * X[:, 0], 0 * X[:, 0], X[:, 2] ** 2], axis=1)
+def test_the_balances_give_modulus_and_permeability():
+    """u_z = t (a z^2 + b z^3), p_z = H u_zz, and d(u_z,z)/dt = k p_zz: a tissue that drains along z."""
+    a, b, H, k = 0.05, 0.3, 1.7, 0.02
 
-    ds = series(field("hex20", 2, u, lambda X: 0.1 * 1.7 * X[:, 2]), AT, box=EDGE)
-    assert float(ds["modulus"][0]) == pytest.approx(1.7, rel=1e-6)
+    def u(X):
+        return np.stack([0 * X[:, 0], 0 * X[:, 0], a * X[:, 2] ** 2 + b * X[:, 2] ** 3], axis=1)
+
+    f = field("hex20", 2, u, lambda X: H * (2 * a * X[:, 2] + 3 * b * X[:, 2] ** 2), times=(0.0, 1.0))
+    assert float(series(f, [0, 0, 0.0], box=EDGE)["modulus"][0]) == pytest.approx(H, rel=1e-6)
+
+    def swell(X):  # its rate 2 a z is k times the Laplacian of a z^3 / 3 k
+        return np.stack([0 * X[:, 0], 0 * X[:, 0], a * X[:, 2] ** 2], axis=1)
+
+    f = field("hex20", 2, swell, lambda X: a / k * X[:, 2] ** 3 / 3, times=(0.0, 1.0))
+    steady = replace(f, p=np.repeat(f.p[1:], 2, axis=0))
+    assert float(series(steady, [0, 0, 0.0], box=EDGE)["permeability"][0]) == pytest.approx(k, rel=1e-6)
 
 
 def test_checks_print_it():

@@ -155,3 +155,17 @@ def test_what_is_left_out_is_estimated_for_concentrations_too():
     low["c"] = low["c"] - low["c"].max()
     problems = check(handoff(low, X, order=2, solute_order=1), low).problems
     assert any("turns negative" in p for p in problems)
+
+
+def test_the_error_of_concentrations_is_estimated_beside():
+    """Quadratic concentrations handed off by their linear parts: the estimate is what is left out, norm over solutes."""
+    from febkit.coupling import errors, estimate
+
+    X = errors.lattice(0.2)
+    ds = series(charged(degree=2, kind="hex20"), AT, order="auto", box=0.2, recovery="polynomial")
+    found = estimate(ds, 0, 2, 2, 1)
+    given = handoff(ds, X, order=2, fluid_order=2, solute_order=1)
+    true = np.stack([given.c[..., k] - at_nodes(X, k, 2) for k in range(2)], axis=-1)
+    assert found["c_error"].values == pytest.approx(np.linalg.norm(true, axis=-1).max(axis=1), rel=1e-6)
+    assert int(ds["solute_order"][0]) >= 2
+    assert any("concentrations" in line for line in check(given, ds).lines if "estimated error" in line)

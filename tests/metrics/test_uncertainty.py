@@ -51,13 +51,21 @@ def test_rates_come_about_in_their_time(cells):
     assert rate[1:] == pytest.approx(got["volume"].values[0, 0] * np.array([0.03 / 1, 0.04 / 2]), rel=1e-9)
 
 
-def test_the_pressure_gradient_strains_by_the_modulus(cells):
-    """Half an edge of 1 times 0.06 over a modulus of 0.75 is a strain of 0.04: 3, 4, 5."""
-    of_p = {"grad_p_error": ("time", [0.0, 0.06, 0.0]), "modulus": 0.75,
-            "box": (("end", "i"), [[-0.5] * 3, [0.5] * 3])}  # fmt: skip
-    got = cell_metrics(cells, cells="cell", error=error(**of_p))
-    assert got["volumetric_strain_uncertainty"].values[0] == pytest.approx([0.0, 0.05, 0.04], rel=1e-9)
-    assert "pressure" not in got.attrs["uncertainty"]
+def test_the_pressure_gradient_strains_by_the_modulus_once_fluid_has_moved(cells):
+    """Half an edge of 1 times 0.06 over a modulus of 0.75 is a strain of 0.04: with 0.03, 0.05. It takes a^2 / H k."""
+    def of_p(k):
+        return {"grad_p_error": ("time", [0.0, 0.06, 0.0]), "modulus": 0.75, "permeability": k,
+                "box": (("end", "i"), [[-0.5] * 3, [0.5] * 3])}  # fmt: skip
+
+    at_once = cell_metrics(cells, cells="cell", error=error(**of_p(1e3)))
+    assert at_once["volumetric_strain_uncertainty"].values[0] == pytest.approx([0.0, 0.05, 0.04], rel=1e-6)
+    assert "pressure" not in at_once.attrs["uncertainty"]
+    slow = cell_metrics(cells, cells="cell", error=error(**of_p(1 / 3)))  # in a time of 1
+    drag = 0.04 * (1 - np.exp(-1))
+    assert slow["volumetric_strain_uncertainty"].values[0] == pytest.approx(
+        [0.0, np.hypot(0.03, drag), np.hypot(0.04, drag * np.exp(-1))], rel=1e-9)
+    rate = slow["volume_loss_rate_uncertainty"].values[0] / slow["volume"].values[0, 0]
+    assert rate == pytest.approx([0.0, 0.03 / 2 + drag, 0.04 / 3 + drag * np.exp(-1)], rel=1e-9)
 
 
 def test_times_without_an_estimate_have_no_uncertainty(cells):
