@@ -243,26 +243,28 @@ def _edges(field: Field, where: Location) -> Floats:
 def _properties(third: Floats, times: Floats, columns: dict[str, slice], a: float) -> tuple[Floats, Floats]:
     """Aggregate modulus H and permeability k (m,) of the tissue, by its balances alone; nan where nothing happens.
 
-    div sigma_e = grad p has H = sum |d^n grad p| |d^n grad grad u| / sum |d^n grad grad u|^2, and d(div u)/dt = k lap p
-    has k = sum |d^n d(div u)/dt| |d^n lap p| / sum |d^n lap p|^2, over steps in time by their length, and n = 0, 1 by
-    a^2n, with ``a`` half the box's edge. Exact for isotropic small strains along one axis.
+    Least squares over times (by the length of their steps) and derivatives d^n, n = 0, 1, by a^2n, with ``a`` half the
+    box's edge: grad p = (lambda + mu) grad div u + mu lap u, of an isotropic solid in small strains, H = lambda + 2 mu,
+    and d(div u)/dt = k lap p. Where a tissue moves along one axis the two terms are one, and H is found all the same.
     """
     u, p = third[..., columns["u"]], third[..., columns["p"].start]
     index = {t: k for k, t in enumerate(TERMS)}
     dt = np.diff(times)
-    sums = np.zeros((4, len(third)))
+    normal, right, flow = np.zeros((len(third), 2, 2)), np.zeros((len(third), 2)), np.zeros((2, len(third)))
     for tail in ((), (0,), (1,), (2,)):
-        at = [[index[tuple(sorted((i, j, *tail)))] for j in range(3)] for i in range(3)]
-        force = np.stack([p[:, :, index[tuple(sorted((i, *tail)))]] for i in range(3)], axis=-1)
-        bend = np.stack([u[:, :, at[i][j]] for i in range(3) for j in range(3)], axis=-1)
-        spread = p[:, :, [at[i][i] for i in range(3)]].sum(axis=-1)
-        swell = np.stack([u[:, :, index[tuple(sorted((i, *tail)))], i] for i in range(3)]).sum(axis=0)
-        f, b = (np.linalg.norm(v, axis=axes)[:, 1:] for v, axes in ((force, -1), (bend, (-1, -2))))
-        rate, mean = np.abs(np.diff(swell, axis=1)) / dt, 0.5 * np.abs(spread[:, 1:] + spread[:, :-1])
-        sums += a ** (2 * len(tail)) * np.stack([(v * dt).sum(axis=1) for v in (f * b, b * b, rate * mean, mean**2)])
-    over, under = sums[::2], sums[1::2]
-    H, k = np.where(under > 0, over / np.where(under > 0, under, 1.0), np.nan)
-    return H, k
+        weight = a ** (2 * len(tail)) * dt
+        at = np.array([[index[tuple(sorted((i, j, *tail)))] for j in range(3)] for i in range(3)])
+        one = [index[tuple(sorted((i, *tail)))] for i in range(3)]
+        swell = u[:, :, one, [0, 1, 2]].sum(axis=-1)  # div u
+        bend = np.stack([u[:, :, at, [[0, 1, 2]] * 3].sum(axis=-1), u[:, :, np.diag(at)].sum(axis=2)], axis=2)[:, 1:]
+        normal += np.einsum("ptai,ptbi,t->pab", bend, bend, weight)
+        right += np.einsum("ptai,pti,t->pa", bend, p[:, 1:, one], weight)
+        spread = p[:, :, np.diag(at)].sum(axis=-1)
+        mean = 0.5 * (spread[:, 1:] + spread[:, :-1])
+        flow += np.stack([(np.diff(swell, axis=1) / dt * mean * weight).sum(axis=1), (mean**2 * weight).sum(axis=1)])
+    H = np.einsum("pab,pb->p", np.linalg.pinv(normal, rcond=1e-3, hermitian=True), right)
+    k = flow[0] / np.where(flow[1] > 0, flow[1], np.nan)
+    return np.where(H > 0, H, np.nan), np.where(k > 0, k, np.nan)
 
 
 def choose(found: dict[str, Any]) -> dict[str, Any]:

@@ -159,14 +159,14 @@ def scatter(ax: Any, e: np.ndarray, t: np.ndarray, marker: str, color: str, labe
     ax.loglog(t, e, marker, color=color, ms=3.5, mfc="none", mew=0.8, label=label)
 
 
-def frame(ax: Any, title: str) -> None:
+def frame(ax: Any, title: str, by: str = "largest value") -> None:
     low, high = 10 ** np.floor(np.log10(min(*ax.get_xlim(), *ax.get_ylim()))), 10 ** np.ceil(np.log10(ax.get_xlim()[1]))
     low = max(low, 1e-4)
     ax.plot([low, high], [low, high], "k-", lw=0.8)
     ax.plot([low, high], [2 * low, 2 * high], "k:", lw=0.6)
     ax.plot([low, high], [0.5 * low, 0.5 * high], "k:", lw=0.6)
     ax.set_title(title, fontsize=9)
-    ax.set(xlabel="true error / largest value", ylabel="estimate / largest value", aspect="equal",
+    ax.set(xlabel=f"true error / {by}", ylabel=f"estimate / {by}", aspect="equal",
            xlim=(low, high), ylim=(low, high))  # fmt: skip
 
 
@@ -264,7 +264,8 @@ def cells_picture(rows: list[Row], path: Path) -> None:
                 if mine:
                     scatter(ax, *pairs(mine, False), marker, color, f"{mesh}, order {n}")
         e, t = pairs(own, False)
-        frame(ax, f"{words}: rank correlation {spearmanr(e, t)[0]:.2f}, bound in {100 * np.mean(e >= t):.0f} %")
+        frame(ax, f"{words}: rank correlation {spearmanr(e, t)[0]:.2f}, bound in {100 * np.mean(e >= t):.0f} %",
+              "the control's range")
     figure.axes[0].legend(fontsize=7, loc="lower right")
     figure.savefig(path, dpi=110)
 

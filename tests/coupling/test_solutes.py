@@ -158,7 +158,7 @@ def test_what_is_left_out_is_estimated_for_concentrations_too():
 
 
 def test_the_error_of_concentrations_is_estimated_beside():
-    """Quadratic concentrations handed off by their linear parts: the estimate is what is left out, norm over solutes."""
+    """Quadratic concentrations handed off by their linear parts: the estimate is what is left out."""
     from febkit.coupling import errors, estimate
 
     X = errors.lattice(0.2)
