@@ -104,6 +104,7 @@ def drive(model: Model, given: Handoff, nodes: Ints, *, node_set: str | None = N
     if must_points:
         model, told = with_must_points(model, given.times)
         said += told
+    said += _ends(model, given.times)
     if form != "curves":
         model = _with_conditions(model, given, name, form)
     return Driven(model, given, name, nodes, form, tuple(said))
@@ -167,6 +168,19 @@ def _replaced(model: Model, c: Component, nodes: Ints, given: Handoff, said: lis
                          f"{(~own).sum()} others: split or remove it, or drive another set", c.where)
     said.append(f'replaced <bc type="{kind}"> on "{ref}"')
     return True
+
+
+def _ends(model: Model, times: Floats) -> list[str]:
+    """A sentence where the cell model and the hand-off end at different times."""
+    controls = [s.control for s in model.steps if s.control is not None]
+    counts = [(c.int("time_steps", 10), c.float("step_size", 0.1), c.float("final_time", 0.0)) for c in controls]
+    end, last = sum(final if n < 0 else n * dt for n, dt, final in counts), float(times[-1])
+    if not controls or np.isclose(end, last, rtol=1e-6):
+        return []
+    if end < last:
+        return [f"the cell model ends at t = {end:g}, the hand-off at {last:g}: for more of it, give the cell model's "
+                "<Control> more time_steps (templates: --set times)"]  # fmt: skip
+    return [f"the hand-off ends at t = {last:g}, the cell model at {end:g}: from there on its surface stays as it is"]
 
 
 # ---- must points ---------------------------------------------------------------------------------

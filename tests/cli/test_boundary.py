@@ -168,3 +168,14 @@ def test_help_does_not_import_scipy_or_xarray():
     code = ("import sys; from febkit.cli.boundary import command\n"
             "assert not {'scipy', 'xarray', 'numpy', 'numba'} & set(sys.modules), sorted(sys.modules)")
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("last", "said"), [
+    (1.0, []), (5.0, ["the cell model ends at t = 1, the hand-off at 5: for more of it, give"]),
+    (0.5, ["the hand-off ends at t = 0.5, the cell model at 1: from there on its surface stays"]),
+])  # fmt: skip
+def test_where_cell_model_and_hand_off_end_apart_is_said(folder, last, said):
+    (folder / "experiment.csv").write_text(f"time,Fzz,p\n0,1,0\n{last},0.9,0.2\n")
+    told = run(folder, "experiment.csv", "cell.feb", "-o", "d.feb")
+    told = " ".join(told.split())
+    assert told.count(" ends at t") == len(said) and all(s in told for s in said)
