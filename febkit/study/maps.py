@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from febkit.metrics.cells import METRICS
-from febkit.metrics.tables import Table, heading
+from febkit.metrics.tables import Table, heading, short
 
 from .plan import CONTROL, Place, Plan
 
@@ -139,7 +139,7 @@ def size_tables(
                     ]
                     rows.append([f"{case} {method}", v.name, *(f"{e:.3f}" for e in errors)])
         title = "Variants: RMS difference to the control over the control's range, mean over seeds"
-        yield Table(title, ["", "variant", *(heading(m, "") for m in _six(ds))], rows)
+        yield Table(title, ["", "variant", *(short(m) for m in _six(ds))], rows)
 
 
 def _size(plan: Plan, k: int) -> tuple[object, object]:

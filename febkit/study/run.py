@@ -84,6 +84,8 @@ def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
     store, key = Store(Path(root)), spec["key"]
     about = {k: spec[k] for k in ("kind", "label", "params", "inputs")}
     if store.has(key):
+        for k in spec["drop"]:
+            store.drop(k)
         return Outcome(key, spec["label"], "done", "found in the store")
     if not all(store.has(k) for k in spec["inputs"].values()):
         return Outcome(key, spec["label"], "skipped", "a step it rests on has not been done")
@@ -140,13 +142,19 @@ def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -
             name = f"{step.kind}-{key}"
             futures[key] = client.submit(do, root, _spec(step, r), *first, key=name, pure=False, retries=2)
         label = {futures[k].key: s for k, s in needed.items()}
-        for future in as_completed(list(futures.values())):
-            step = label[future.key]
-            error = future.exception()
-            if error is None:
-                yield future.result()
+        ended = as_completed(list(futures.values()))
+        futures.clear()  # what nobody holds any more is not done again where a worker dies that had its outcome
+        lost: set[str] = set()
+        for future in ended:
+            step, error = label[future.key], future.exception()
+            outcome = future.result() if error is None else None
+            del future
+            if outcome is not None:
+                yield outcome
                 continue
-            if any(futures[i.key].status == "error" for i in step.inputs.values() if i.key in futures):
+            rests = any(i.key in lost for i in step.inputs.values())
+            lost.add(step.key)
+            if rests:
                 yield Outcome(step.key, step.label, "skipped", "a step it rests on has not been done")
                 continue
             message = f"{type(error).__name__}: {error}"
