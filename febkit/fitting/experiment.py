@@ -129,7 +129,7 @@ class Measured:
         return bool(before != (self.options["tolerance"] or 1.0))
 
     def predict(self, settings: Mapping[str, float], ends: Sequence[float] | None = None, beside: bool = False) -> Made:
-        if not self._quick:
+        if ends is None or not self._quick:  # steps of its own follow from the iterations that full Newton takes
             return self._run(settings, ends, beside, self.options)
         tolerance = min(self.options["tolerance"] or TIGHT, TIGHT)
         try:

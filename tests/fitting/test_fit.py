@@ -204,12 +204,14 @@ def test_models_of_full_newton_are_fitted_by_updates_and_by_full_newton_where_th
 
     monkeypatch.setattr(febkit.Model, "solve", solve)
     fails = False
-    quick = e.predict(s.truth)
-    assert len(solved) == 1 and 2 * solved[0].totals.reforms < solved[0].totals.iterations
+    free = e.predict(s.truth)
+    assert len(solved) == 1 and solved[0].totals.reforms == solved[0].totals.iterations
+    quick = e.predict(s.truth, free.ends)
+    assert len(solved) == 2 and 2 * solved[1].totals.reforms < solved[1].totals.iterations
     fails = True
-    own = e.predict(s.truth)
-    assert len(solved) == 3 and solved[2].totals.reforms == solved[2].totals.iterations
-    e.predict(s.truth)
-    assert len(solved) == 4, "updates were tried again"
+    own = e.predict(s.truth, free.ends)
+    assert len(solved) == 4 and solved[3].totals.reforms == solved[3].totals.iterations
+    e.predict(s.truth, free.ends)
+    assert len(solved) == 5, "updates were tried again"
     assert own.ends == quick.ends and own.found == pytest.approx(quick.found, rel=1e-4)
     assert quick.found == pytest.approx(e.y, rel=1e-4)
