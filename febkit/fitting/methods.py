@@ -45,7 +45,7 @@ class Tolerance:
 
 def steadied(problem: Problem, solve: Callable[[Floats | None], Ended], start: Floats | None = None) -> Ended:
     """What ``solve`` comes to from a start with the time steps held that runs take there, then from where it came to,
-    until runs take these steps there by themselves, or others, again, that make no difference beside the data's noise."""
+    until runs take these steps there by themselves, or others again that make no difference beside the data's noise."""
     p = problem.parameters
     z = np.clip(p.start if start is None else start, p.low, p.high)
     problem.hold_steps(z)
@@ -53,7 +53,7 @@ def steadied(problem: Problem, solve: Callable[[Floats | None], Ended], start: F
     for k in range(HOLDS):
         if not problem.hold_steps(ended.z, beside=ended.J is not None):
             break
-        if k > 0 and ended.converged and _near(problem, ended.z, problem.jacobian(ended.z) if ended.J is None else ended.J):
+        if k > 0 and ended.converged and ended.J is not None and _near(problem, ended.z, ended.J):
             break
         problem.forget(ended.z)
         ended = solve(ended.z)
