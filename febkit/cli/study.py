@@ -146,7 +146,7 @@ def with_progress(plan: Work, scheduler: str, tell: Callable[[str], None] | None
         def step(done: int, total: int, o: Outcome) -> None:
             bar.update(task, completed=done, total=total, description=o.label)
 
-        return carry_out(plan, scheduler, step, tell and (lambda text: bar.console.print(text, markup=False)))
+        return carry_out(plan, scheduler, step, tell and (lambda text: bar.console.out(text, highlight=False)))
 
 
 def _line(o: Outcome) -> str:

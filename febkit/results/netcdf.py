@@ -37,7 +37,12 @@ def save(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = True, *
         try:
             ds.to_netcdf(part, **options)
         except RuntimeError as e:  # what the library makes of a full disk
-            raise InputError(f"the file cannot be written: {e}; is the disk full?", Where(os.fspath(path))) from None
+            raise unwritten(path, e) from None
+
+
+def unwritten(path: str | os.PathLike[str], e: RuntimeError) -> InputError:
+    """What to say where the library cannot write a file."""
+    return InputError(f"the file cannot be written: {e}; is the disk full?", Where(os.fspath(path)))
 
 
 def opened(path: str | os.PathLike[str], chunks: Any = None) -> xr.Dataset:

@@ -113,6 +113,7 @@ def write_results(plan: Plan, path: str | Path) -> int:
     import netCDF4
 
     from febkit.files import written
+    from febkit.results.netcdf import unwritten
 
     found = Finished(plan)
     if not found:
@@ -121,12 +122,15 @@ def write_results(plan: Plan, path: str | Path) -> int:
     shape = _empty([found[p] for p in places], cells, coordinates(plan), held=False)
     head, bare = len(plan_dims(plan)), [str(v) for v in shape.data_vars]
     with written(path) as part:
-        shape.drop_vars(bare).to_netcdf(part, engine="netcdf4")
-        with netCDF4.Dataset(part, "a") as f:
-            _declare(f, shape, head)
-            for place, ds in found.items():
-                for name, v in _own(shape, ds):
-                    f[name][_at(plan, place)] = v
+        try:
+            shape.drop_vars(bare).to_netcdf(part, engine="netcdf4")
+            with netCDF4.Dataset(part, "a") as f:
+                _declare(f, shape, head)
+                for place, ds in found.items():
+                    for name, v in _own(shape, ds):
+                        f[name][_at(plan, place)] = v
+        except RuntimeError as e:  # what the library makes of a full disk
+            raise unwritten(path, e) from None
     return len(found)
 
 

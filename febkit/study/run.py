@@ -87,6 +87,8 @@ def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
         for k in spec["drop"]:
             store.drop(k)
         return Outcome(key, spec["label"], "done", "found in the store")
+    if spec.get("dropped_by") and store.has(spec["dropped_by"]):  # asked for again, as its worker died afterwards
+        return Outcome(key, spec["label"], "done", "no longer needed")
     if not all(store.has(k) for k in spec["inputs"].values()):
         return Outcome(key, spec["label"], "skipped", "a step it rests on has not been done")
     inputs = {n: store.path(k) for n, k in spec["inputs"].items()}
@@ -137,10 +139,12 @@ def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -
         _check_sight(client, store)
         futures: dict[str, Any] = {}
         root = str(store.root)
+        by = {k: s.key for s in needed.values() for k in s.spec()["drop"]}
         for key, step in needed.items():
+            spec = _spec(step, r) | {"dropped_by": by.get(key, "")}
             first = [futures[i.key] for i in step.inputs.values() if i.key in futures]
             name = f"{step.kind}-{key}"
-            futures[key] = client.submit(do, root, _spec(step, r), *first, key=name, pure=False, retries=2)
+            futures[key] = client.submit(do, root, spec, *first, key=name, pure=False, retries=2)
         label = {futures[k].key: s for k, s in needed.items()}
         ended = as_completed(list(futures.values()))
         futures.clear()  # what nobody holds any more is not done again where a worker dies that had its outcome
