@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from febkit.model import InputError, Where
+from febkit.model.values import spells_number
 
 _SPLIT = re.compile(r"\s*[,;]\s*|\s+")
 
@@ -27,7 +28,7 @@ def columns(path: Path, name: str, column: str | None, named_by: Where | None) -
             if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
         raise InputError(f"{name}: the file has no rows of depths and values", Where(str(path)))
-    names = [] if _is_number(rows[0][1][0]) else [w.strip('"') for w in rows.pop(0)[1]]
+    names = [] if spells_number(rows[0][1][0]) else [w.strip('"') for w in rows.pop(0)[1]]
     depth, value = _places(names, len(rows[0][1]) if rows else 0, name, column, path)
     out = []
     for line, cells in rows:
@@ -56,15 +57,7 @@ def _places(names: list[str], width: int, name: str, column: str | None, path: P
                      f"\"{path.name}\", column = \"...\"}}", where)
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _value(text: str, where: Where, name: str) -> float:
-    if not _is_number(text):
+    if not spells_number(text):
         raise InputError(f"{name}: '{text}' is no number", where)
     return float(text)

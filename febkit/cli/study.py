@@ -12,7 +12,8 @@ import click
 from febkit import process
 
 from . import exits, printing
-from .paths import INPUT
+from .outputs import check
+from .paths import INPUT, Output
 
 if TYPE_CHECKING:
     from febkit.study.plan import Plan, Work
@@ -85,7 +86,7 @@ def status(study: Path, overrides: tuple[str, ...]) -> None:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=Output(".nc"),
     help="NetCDF file [default: metrics.nc in the study's folder].",
 )
 def gather(study: Path, overrides: tuple[str, ...], output: Path | None) -> None:
@@ -94,6 +95,7 @@ def gather(study: Path, overrides: tuple[str, ...], output: Path | None) -> None
 
     plan = _plan(study, overrides)
     path = output or plan.study.folder / "metrics.nc"
+    check([path], [study, *(f for s in plan.steps().values() for f in s.files.values())])
     n = write_results(plan, path)
     printing.say(f"wrote {path}: {n} of {len(plan.metrics)} results")
 

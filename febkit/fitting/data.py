@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from febkit.model import InputError, Where
+from febkit.model.values import spells_number
 
 Floats = NDArray[np.float64]
 Columns = dict[str, tuple[Floats, Floats]]
@@ -87,7 +88,7 @@ def _file(path: Path) -> Columns:
         raise InputError(f"cannot read the data: {getattr(e, 'strerror', None) or e}", where) from None
     rows = [(k, r) for k, r in enumerate(csv.reader(lines), 1) if r and not r[0].lstrip().startswith("#")]
     names: list[str] = []
-    if rows and not _is_number(rows[0][1][0]):
+    if rows and not spells_number(rows[0][1][0]):
         names = [c.strip() for c in rows.pop(0)[1]]
     table = []
     for line, row in rows:
@@ -101,14 +102,6 @@ def _file(path: Path) -> Columns:
     if a.ndim != 2 or a.shape[1] < 2:
         raise InputError("two columns at least are wanted: x, y", where)
     return {n: (a[:, 0], y) for n, y in zip(names[1:] or map(str, range(1, a.shape[1])), a.T[1:])}
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _clean(name: str, x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from febkit.modelling import Model
     from febkit.modelling.solution import Solution
     from febkit.observe import Follow, Observe
+    from febkit.solver.problem import Problem as LoweredProblem
 
     from .parameters import Spec
 
@@ -59,8 +60,10 @@ class Measured:
     """An experiment made ready: an :class:`.problem.Experiment`. ``options`` are those of :func:`febkit.solve`."""
 
     def __init__(self, given: Experiment, name: str, options: Mapping[str, Any], exact: bool | None = None) -> None:
+        from febkit.lower import lower
+
         self.name, self.options = name, {"tolerance": 0.0, **options}
-        self._asked, self._quick = self.options["tolerance"], False
+        self._asked: float = self.options["tolerance"]
         self.model = _model(given.model)
         for path, value in given.settings.items():
             self.model[path] = value
@@ -77,8 +80,10 @@ class Measured:
         self.weight = self._weights(given.sigma)
         self.known = given.sigma is not None
         self.at = self._times(given.meet)
-        self.exact = self._differentiates(exact)
-        self._quick = self._is_full_newton()
+        problem = lower(self.model.record)
+        self.exact = self._differentiates(exact, problem)
+        # full Newton throughout: updates do as well, to tolerances that hide them
+        self._quick = all(s.newton.full for s in problem.steps)
         needed = self.observables if self.against is None else {**self.observables, " against": self.against}
         self.kept = variables(needed, self.model.record)
 
@@ -96,21 +101,14 @@ class Measured:
             raise InputError(f"{self.name}: standard deviations must be above 0")
         return np.asarray(1.0 / s)
 
-    def _differentiates(self, asked: bool | None) -> bool:
+    def _differentiates(self, asked: bool | None, problem: LoweredProblem) -> bool:
         """Do runs bring derivatives? By themselves those of models for which they cost little beside the run."""
-        from febkit.lower import lower
         from febkit.solver.sensitivity import refusal
 
         large = sum(len(b.ids) for b in self.model.mesh.blocks) >= LARGE
         if self.against is not None or not (large if asked is None else asked):
             return False
-        return not self.options.get("accuracy") and not refusal(lower(self.model.record))
-
-    def _is_full_newton(self) -> bool:
-        """Does the model ask for full Newton throughout? Updates do as well, to tolerances that hide them."""
-        from febkit.lower import lower
-
-        return all(s.newton.full for s in lower(self.model.record).steps)
+        return not self.options.get("accuracy") and not refusal(problem)
 
     def _times(self, meet: bool | None) -> list[float] | None:
         """Times that runs meet, None where they make their own."""
@@ -124,6 +122,8 @@ class Measured:
 
     def tighten(self, much: bool = True) -> bool:
         """Solve to TIGHT from here on, so that curves follow parameters as derivatives have it; or as asked again."""
+        if self._quick:  # they are so already
+            return False
         asked = self._asked or 1.0
         before, self.options["tolerance"] = self.options["tolerance"] or 1.0, min(asked, TIGHT) if much else self._asked
         return bool(before != (self.options["tolerance"] or 1.0))

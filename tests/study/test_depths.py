@@ -420,3 +420,15 @@ def test_estimates_grow_with_the_model_and_the_users_number_wins(tmp_path, monke
     assert (one.resources.threads, one.resources.memory) == (2, 3.0) and len(one.steps) == len(p.steps())
     assert [s.resources.workers for s in plan(Resources(0, 0.0, 2))][-1] == 2
     assert size(templates.new("tissue", n=3)) == 4 * 64
+
+
+def test_what_is_gathered_goes_onto_no_input(tmp_path):
+    """Neither onto the study, whatever it is called, nor onto results that it takes."""
+    file, kept = written(tmp_path, SMALL), (tmp_path / "deep.toml").read_bytes()
+    done = command("study", "gather", file, "-o", "deep.toml", folder=tmp_path)
+    assert done.returncode == 2 and "ends in .nc" in done.stderr and file.read_bytes() == kept
+    file = file.rename(tmp_path / "deep.nc")
+    done = command("study", "gather", file, "-o", "deep.nc", folder=tmp_path)
+    assert done.returncode == 2 and "deep.nc" in done.stderr and file.read_bytes() == kept
+    done = command("study", "gather", file, "-o", "other.nc", folder=tmp_path)
+    assert done.returncode == 2 and "nothing of the study" in done.stderr and not (tmp_path / "other.nc").exists()
