@@ -4,7 +4,6 @@ that is not asked for."""
 from __future__ import annotations
 
 import gc
-import os
 import struct
 import subprocess
 import sys
@@ -21,7 +20,7 @@ from febkit.model import InputError
 from febkit.results.xplt import container
 from febkit.results.xplt.inflate import Inflated
 from febkit.results.xplt.reader import PlotFile
-from helpers import forked
+from helpers import descriptors, forked
 
 FEBKIT = Path(sys.executable).parent / "febkit"
 STATE = 0x02000000
@@ -214,12 +213,7 @@ def test_names_are_64_characters_at_most(tmp_path: Path, blocks, make_modern) ->
     assert code == 0, said
 
 
-def descriptors() -> int:
-    gc.collect()
-    return len(os.listdir("/proc/self/fd"))
-
-
-@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="counts descriptors where /proc lists them")
+@descriptors.listed
 def test_no_descriptor_stays_open(tmp_path: Path, make_modern) -> None:
     good, bad, many = (tmp_path / f"{n}.xplt" for n in ("good", "bad", "many"))
     raw = make_modern(states=2)
@@ -231,7 +225,6 @@ def test_no_descriptor_stays_open(tmp_path: Path, make_modern) -> None:
     gc.disable()
     try:
         kept: list[Exception] = []  # with the frames that opened the file
-        before = descriptors()
         for _ in range(5):
             results.open(good).close()
             for path, read in ((bad, results.open), (bad, results.open_all), (many, results.open)):
@@ -240,7 +233,7 @@ def test_no_descriptor_stays_open(tmp_path: Path, make_modern) -> None:
                 kept.append(e.value)
             for ds in results.open_all(many):
                 ds.close()
-        assert descriptors() == before
+        assert descriptors.held(tmp_path) == []
     finally:
         gc.enable()
 

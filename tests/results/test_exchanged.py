@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from febkit.results.variables import VARIABLES
 from febkit.results.xplt.reader import PlotFile
 from febkit.results.xplt.records import PlotDomain, PlotMesh
 from febkit.results.xplt.writer import PlotWriter
+from helpers import descriptors
 
 NODES = 50_000  # a state of 600 kB, which is not read whole
 
@@ -134,20 +134,15 @@ def test_cutting_a_file_under_a_reader_ends_in_words(tmp_path: Path) -> None:
     assert done.returncode == 0 and done.stdout.strip() == "20", (done.returncode, done.stderr)
 
 
-@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="needs /proc")
+@descriptors.listed
 def test_opening_leaves_one_descriptor_and_closing_none(tmp_path: Path) -> None:
     path = tmp_path / "n.xplt"
     write(path, 1.0)
-
-    def count() -> int:
-        return len(os.listdir("/proc/self/fd"))
-
-    before = count()
     ds = results.open(path)
     _ = ds["displacement"].values
-    assert count() == before + 1
+    assert descriptors.held(tmp_path) == [str(path)]
     ds.close()
-    assert count() == before
+    assert descriptors.held(tmp_path) == []
     for _ in range(3):
         results.open(path)
-    assert count() == before, "datasets that nobody holds are closed"
+    assert descriptors.held(tmp_path) == [], "datasets that nobody holds are closed"

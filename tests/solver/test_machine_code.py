@@ -131,7 +131,8 @@ def test_references_are_counted(cache: Path, kind: type) -> None:
     for _ in range(1000):
         code(a, out, 1.0, 0, False)
         code(a, out, 1, 0, False)
-    assert [sys.getrefcount(x) for x in (a, out, MISSED, code)] == before
+    after = [sys.getrefcount(x) for x in (a, out, MISSED, code)]
+    assert max(abs(m - n) for m, n in zip(after, before)) < 100, "a reference a call would be a thousand"
 
 
 def test_a_second_process_needs_no_numba(cache: Path) -> None:
