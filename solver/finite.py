@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 RATES = ("velocity", "acceleration")
+PLAIN = {float, int, bool, str, type(None), np.ndarray}  # of the fields of records; values are records themselves
 
 
 class NotFinite(RuntimeError):
@@ -130,6 +131,8 @@ def _values(record: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
         name = f.name.removesuffix("_")
         v = getattr(record, f.name)
         for item in v if isinstance(v, (tuple, list)) else (v,):
+            if type(item) in PLAIN:  # to ask for a protocol is slow
+                continue
             if isinstance(item, Value):
                 yield prefix + name, item
             elif is_dataclass(item) and not isinstance(item, type):

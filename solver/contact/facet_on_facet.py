@@ -113,7 +113,7 @@ class FacetOnFacet(Contact):
                 K, unknowns, columns = matrices(state, nodes)
                 kernels.stiffness(
                     o.T, state.x, o.conn, s.partner, s.rs, rows, a, b, s.N, s.M, s.partner_normals, s.gap, stiff, force,
-                    self.knmult, K,
+                    float(self.knmult), K,
                 )  # fmt: skip
                 out.append((K, unknowns, columns))
         return out

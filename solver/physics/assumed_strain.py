@@ -132,7 +132,7 @@ class AssumedWork(StandardWork):
         least = np.linalg.eigvalsh(B)[..., 0].min(axis=1)
         if not (least > 0.0).all():
             raise NegativeJacobian(int(g.block.ids[e][int(np.argmin(least > 0.0))]), g.block.name)
-        F = np.swapaxes(np.linalg.cholesky(B), 2, 3)
+        F = np.ascontiguousarray(np.swapaxes(np.linalg.cholesky(B), 2, 3))  # as kernels of materials have it elsewhere
         J = np.linalg.det(F)
         n = J.size
         own = c.points

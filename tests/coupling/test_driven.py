@@ -52,7 +52,7 @@ def tissue():
 @pytest.fixture(scope="module")
 def control():
     """Times, and u and p of the control; its first nodes are the cell model's."""
-    return solved(templates.new("embedded", case="B", transition="none", lateral=1, vertical=18, **CELL))
+    return solved(templates.new("embedded", case="B", transition="none", lateral=1, vertical=14, **CELL))
 
 
 def driven(tissue, order: int, recovery: str):

@@ -7,17 +7,15 @@ import ast
 from functools import cache
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-SOURCES = {"febkit": ROOT / "febkit", "febkit.solver": ROOT / "solver", "febkit.templates": ROOT / "templates"}
+from helpers.sources import PACKAGES, files, nodes
+
 ANNOTATED = 22  # files of the solver that name each other's records in annotations; may only fall
 
 
 def _modules() -> dict[str, Path]:
     out = {}
-    for package, folder in SOURCES.items():
-        for p in folder.rglob("*.py"):
-            if package == "febkit" and {"solver", "templates"} & {p.relative_to(folder).parts[0]}:
-                continue
+    for package, folder in PACKAGES.items():
+        for p in files(package):
             name = ".".join([package, *p.relative_to(folder).with_suffix("").parts])
             out[name.removesuffix(".__init__")] = p
     return out
@@ -27,20 +25,15 @@ MODULES = _modules()
 
 
 @cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text())
-
-
-def imports(name: str, path: Path, annotations: bool) -> set[str]:
+def imports(name: str, path: Path, annotations: bool) -> frozenset[str]:
     """Modules of ours that a file imports, those inside functions too; ``annotations``: also under TYPE_CHECKING."""
     package = (name if path.name == "__init__.py" else name.rpartition(".")[0]).split(".")
-    tree = _tree(path)
     hidden: set[int] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING") and not annotations:
+    for node in nodes(path):
+        if isinstance(node, ast.If) and _for_types(node.test) and not annotations:
             hidden |= {id(inner) for inner in ast.walk(node)}
     out = set()
-    for node in ast.walk(tree):
+    for node in nodes(path):
         if id(node) in hidden:
             continue
         if isinstance(node, ast.Import):
@@ -50,10 +43,14 @@ def imports(name: str, path: Path, annotations: bool) -> set[str]:
                              *(node.module.split(".") if node.module else [])])  # fmt: skip
             for a in node.names:
                 out.add(f"{stem}.{a.name}" if f"{stem}.{a.name}" in MODULES else stem)
-    return (out & set(MODULES)) - {name}
+    return frozenset((out & set(MODULES)) - {name})
 
 
-def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+def _for_types(test: ast.expr) -> bool:
+    return (test.id if isinstance(test, ast.Name) else getattr(test, "attr", "")) == "TYPE_CHECKING"
+
+
+def circles(graph: dict[str, frozenset[str]]) -> list[list[str]]:
     """Sets of files that can be reached from each other (Tarjan, SIAM J Comput 1 (1972))."""
     order: dict[str, int] = {}
     low: dict[str, int] = {}
@@ -81,8 +78,8 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
 
 
 def test_a_circle_is_found() -> None:
-    graph = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": set(), "e": {"a"}}
-    assert circles(graph) == [["a", "b", "c"]]
+    graph = {"a": "b", "b": "c", "c": "ad", "d": "", "e": "a"}
+    assert circles({x: frozenset(of) for x, of in graph.items()}) == [["a", "b", "c"]]
     assert "febkit.solver.newton" in imports("febkit.solver.run", MODULES["febkit.solver.run"], False)
     assert "febkit.lower.connectors" in imports("febkit.lower", MODULES["febkit.lower"], False)  # inside a function
 

@@ -23,7 +23,7 @@ def _dense(data: np.ndarray) -> np.ndarray:
 
 def test_matrices_in_any_order_of_equations() -> None:
     order = np.array([2, 0, 3, 1], np.int32)
-    data, free = np.zeros(len(INDICES)), np.arange(N)
+    data, free = np.zeros(len(INDICES)), np.arange(N, dtype=np.int32)
     shuffled = K[np.ix_(order, order)][None].copy()
     pattern.scatter_any(
         shuffled, order[None], free, INDPTR.astype(np.int32), INDICES.astype(np.int32), data, np.zeros(N), np.zeros(N),
@@ -34,10 +34,10 @@ def test_matrices_in_any_order_of_equations() -> None:
 
 def test_tied_unknowns() -> None:
     """Each unknown is its own master, with weight one."""
-    data, free, eq = np.zeros(len(INDICES)), np.arange(N), np.arange(N)
-    ptr, master, one = np.array([0, 1, 2, 3, 4]), np.arange(N), np.ones(N)
+    data, own, one = np.zeros(len(INDICES)), np.arange(N, dtype=np.int32), np.ones(N)
+    ptr = np.arange(N + 1)
     ties.scatter(
-        K[None].copy(), np.arange(N)[None], np.zeros(N, np.int64), ptr, master, one, one, eq, 1, free,
+        K[None].copy(), own[None], np.zeros(N, np.int32), ptr, own, one, one, own, 1, own,
         INDPTR.astype(np.int32), INDICES.astype(np.int32), data, np.zeros(N), np.zeros(N), True,
     )  # fmt: skip
     assert (_dense(data) == MIRRORED).all()
@@ -55,7 +55,7 @@ def test_small_matrices_in_long_rows(d: int, upper: bool) -> None:
     dofs = np.array([rng.permutation(n)[:d] for _ in range(30)], np.int32)
     K, step, Fd, whole = rng.normal(size=(30, d, d)), rng.normal(size=n), np.zeros(n), np.zeros((n, n))
     data = np.zeros(len(indices))
-    pattern.scatter_any(K, dofs, np.append(np.arange(m), -1), indptr, indices, data, step, Fd, upper)
+    pattern.scatter_any(K, dofs, np.append(np.arange(m), -1).astype(np.int32), indptr, indices, data, step, Fd, upper)
     for k, q in zip(K, dofs, strict=True):
         whole[np.ix_(q, q)] += k
     rows = np.repeat(np.arange(m), m - first)
