@@ -20,7 +20,7 @@ from .grouped import group_nodes, group_pattern
 from .lattice import hexahedra, in_file_order, nodes_at, skin_index
 from .ogrid import block_nodes, pattern, unit
 from .parts import Parts, numbered
-from .places import Places, block_sizes, place_at, place_at_random
+from .places import Places, block_sizes, cut, larger, place_at, place_at_random
 from .quality import volumes
 from .superellipsoids import Superellipsoid
 
@@ -45,18 +45,22 @@ def cell_cube(p: dict[str, Any]) -> CellCube:
     layers = (int(p["layers"][0]), int(p["layers"][1]), int(p["layers"][2]))
     if min(layers) < 1:
         raise InputError(f"layers must be three numbers from 1 (cell, PCM, around), not {list(p['layers'])}")
+    whole, wide = larger(edge, n, float(p["cut_from"]))
     rng = np.random.default_rng(int(p["seed"]))
     given = list(p["centres"])
     if p["density"] and not given:
-        p = p | {"group": drawn_groups(float(p["density"]), edge**3, p["shares"], int(p["seed"]))}
+        p = p | {"group": drawn_groups(float(p["density"]), whole**3, p["shares"], int(p["seed"]))}
     count = len(given) or (len(p["group"]) if isinstance(p["group"], list) else int(p["cells"]))
     cells = make_chondrons(p, count, rng)
     size = block_sizes(cells, edge / n, int(p["block"]), float(p["room"]))
     margin, least = int(p["margin"]), float(p["gap"])
     if given:
-        places = place_at(cells, given, size, edge, n, margin, least)
+        places = place_at(cells, given, size, whole, wide, margin, least)
     else:
-        places = place_at_random(cells, size, edge, n, margin, least, rng)
+        places = place_at_random(cells, size, whole, wide, margin, least, rng)
+    if p["cut_from"]:
+        places, kept = cut(places, wide, n, margin)
+        cells = [cells[c] for c in kept]
     return _assemble(cells, places, edge, n, layers, float(p["growth"]))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Ints
 
-FIRST = {"hex": 4, "tet": 3, "penta": 3}  # facets from which on each shape's bottom and top come
+FIRST = {"hex": 4, "tet": 3, "penta": 3, "pyra": 4}  # facets from which on each shape's bottom and top come
 
 
 def _of(kind: str) -> tuple[tuple[int, ...], ...]:
@@ -20,7 +20,7 @@ def _of(kind: str) -> tuple[tuple[int, ...], ...]:
     return (*loops[k:], *loops[:k])
 
 
-FACETS = {kind: _of(kind) for kind in ("hex8", "hex20", "hex27", "tet4", "tet10", "penta6")}
+FACETS = {kind: _of(kind) for kind in ("hex8", "hex20", "hex27", "tet4", "tet10", "penta6", "pyra5")}
 FACET_TYPES = {(ELEMENTS[n].corners, ELEMENTS[n].nodes): n for n in ("quad4", "quad8", "quad9", "tri3", "tri6")}
 _CORNERS = {nodes: corners for corners, nodes in FACET_TYPES}
 

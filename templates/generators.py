@@ -100,12 +100,13 @@ def _from_file(p: dict[str, Any]) -> Generated:
     from .user_mesh import named_image, user_mesh
 
     file, names, scale = p.get("mesh_file", ""), p.get("part_names", {}), float(p.get("scale", 1.0))
+    wedges = (int(p["wedges"]), float(p["wedge_share"])) if p.get("tets") == "hybrid" else None
     if p.get("surfaces"):
-        made = segmented.from_surfaces(p["surfaces"], scale)
+        made = segmented.from_surfaces(p["surfaces"], scale, wedges)
     elif not file:
         raise InputError("set mesh_file to the mesh to read (any format of meshio)")
     elif file.lower().endswith(segmented.IMAGES):
-        made = named_image(file, names, p.get("voxel", []), int(p.get("smoothing", 10)))
+        made = named_image(file, names, p.get("voxel", []), int(p.get("smoothing", 10)), wedges)
     else:
         made = user_mesh(file, names, p.get("part_array", ""), scale)
         return _finished(_enclosed(made, p), {"read from": file})

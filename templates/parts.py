@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from febkit.model import Mesh, MeshData
+from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Floats, Ints
 
 
@@ -40,6 +41,20 @@ class Generated:
     facts: Mapping[str, Any] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[MeshData, ...] = ()
+
+
+def body(part: str) -> str:
+    """What a part belongs to: one whose elements are of several types has a part for each, named cell_1_tet4, ..."""
+    name, _, kind = part.rpartition("_")
+    return name if name and kind in ELEMENTS else part
+
+
+def without_loose_nodes(X: Floats, parts: Mapping[str, tuple[str, Ints]]) -> Parts:
+    """The parts with the nodes that they use."""
+    used = np.unique(np.concatenate([conn.ravel() for _, conn in parts.values()]))
+    new = np.full(len(X), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    return Parts(X[used], {name: (kind, new[conn]) for name, (kind, conn) in parts.items()})
 
 
 def numbered(prefix: str, n: int) -> list[str]:

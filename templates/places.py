@@ -131,3 +131,38 @@ def place_at(cells: Sequence[Chondron], centres: Any, size: Ints, edge: float, n
             raise InputError(f"the block around cell {c + 1} at {at[c].tolist()} overlaps another cell's; "
                              "move it away, or raise n so that blocks are closer to the cells")
     return Places(at, start, size)
+
+
+def larger(edge: float, n: int, whole: float) -> tuple[float, int]:
+    """Edge and background elements of the cube that cells are placed in: of this one's elements, about its middle.
+
+    ``whole``: that cube's edge, 0 for the cube itself.
+    """
+    if not whole:
+        return edge, n
+    wide = round(whole / edge * n)
+    if whole < edge * (1 - 1e-9) or abs(wide * edge / n - whole) > 1e-3 * edge / n or (wide - n) % 2:
+        raise InputError(f"cut_from ({whole:g}) must be edge ({edge:g}) with a whole number of elements of edge/n = "
+                         f"{edge / n:.6g} more on each side; {_near(edge, n, whole):.6g} is")
+    return whole, wide
+
+
+def _near(edge: float, n: int, whole: float) -> float:
+    return edge + 2 * max(0, round((whole / edge - 1) * n / 2)) * edge / n
+
+
+def cut(places: Places, wide: int, n: int, margin: int) -> tuple[Places, Ints]:
+    """What lies in the middle ``n`` of ``wide`` background elements, nearest the middle first, and its cells.
+
+    Near is by the half edge of the least cube around a block, so a cell has one number in cubes of any size.
+    """
+    start = places.start - (wide - n) // 2
+    reach = np.maximum(np.abs(start - n / 2), np.abs(start + places.size - n / 2)).max(axis=1)
+    order = np.argsort(reach, kind="stable")
+    kept: Ints = order[reach[order] <= n / 2 - margin]
+    if not len(kept):
+        least = int(2 * (reach.min() + margin))
+        raise InputError(f"none of the {len(order)} cells of the larger cube lies in this one, {margin} elements from "
+                         f"its surface; the nearest does from n = {least} on, with elements of this size: take another "
+                         "seed, or a larger cube")
+    return Places(places.centres[kept], start[kept], places.size[kept]), kept

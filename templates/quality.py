@@ -16,11 +16,13 @@ _HEX_SIGNS = np.array(
 _HEX_EDGES = (
     (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 _TET_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+_PYRA_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4))
 _PENTA_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
 # at each corner, its three neighbours in right-handed order
 _HEX_CORNERS = (
     (1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3))
 _TET_CORNERS = ((1, 2, 3), (2, 0, 3), (0, 1, 3), (0, 2, 1))
+_PYRA_CORNERS = ((1, 3, 4), (2, 0, 4), (3, 1, 4), (0, 2, 4))
 _PENTA_CORNERS = ((1, 2, 3), (2, 0, 4), (0, 1, 5), (5, 4, 0), (3, 5, 1), (4, 3, 2))
 
 
@@ -59,6 +61,11 @@ def _penta_jacobians(x: Floats) -> Floats:
     return out
 
 
+def _pyra_jacobians(x: Floats) -> Floats:
+    """The pyramid is a hexahedron whose upper nodes are one: w det J (element, 8) at its 2x2x2 points."""
+    return _hex_jacobians(x[:, [0, 1, 2, 3, 4, 4, 4, 4]])
+
+
 @dataclass(frozen=True, slots=True)
 class _Shape:
     corners: int
@@ -71,9 +78,10 @@ class _Shape:
 _HEXAHEDRON = _Shape(8, _HEX_EDGES, _HEX_CORNERS, _hex_jacobians, 1.0)
 _TETRAHEDRON = _Shape(4, _TET_EDGES, _TET_CORNERS, _tet_jacobians, np.sqrt(2.0))
 _WEDGE = _Shape(6, _PENTA_EDGES, _PENTA_CORNERS, _penta_jacobians, 2.0 / np.sqrt(3.0))
+_PYRAMID = _Shape(5, _PYRA_EDGES, _PYRA_CORNERS, _pyra_jacobians, np.sqrt(2.0))  # by the corners of its base
 SHAPES = {
     "hex8": _HEXAHEDRON, "hex20": _HEXAHEDRON, "hex27": _HEXAHEDRON, "tet4": _TETRAHEDRON,
-    "tet10": _TETRAHEDRON, "penta6": _WEDGE,
+    "tet10": _TETRAHEDRON, "penta6": _WEDGE, "pyra5": _PYRAMID,
 }
 
 

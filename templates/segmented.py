@@ -1,13 +1,13 @@
 """Tetrahedra in what was segmented: an image of labels (.npy, .tif) or closed surfaces (.stl), one for each part.
 
-Surfaces between labels are pyvista's surface nets, smoothed here; gmsh fills them. Both come with the extra
+Surfaces between labels are pyvista's surface nets, smoothed here; gmsh fills them, hybrid meshes up to layers of wedges
+(:mod:`.wedges`). Both come with the extra
 ``febkit[tets]``; gmsh is GPL, and nothing but this module calls it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,24 +17,19 @@ from febkit.model import InputError, Where
 from febkit.model.mesh import Floats, Ints
 
 from .elements import TET_EDGES
-from .parts import Parts
+from .parts import Parts, without_loose_nodes
+from .wedges import Region, layered
 
 IMAGES = (".npy", ".tif", ".tiff")
+Wedges = tuple[int, float] | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Region:
-    """A closed region: the patches of triangles that bound it."""
-
-    name: str
-    patches: tuple[int, ...]
-
-
-def from_image(path: str | Path, voxel: Sequence[float], smoothing: int) -> tuple[Floats, dict[tuple[int, str], Ints]]:
-    """Nodes (node, 3) about the image's middle, and tetrahedra by label, of an image with 0 outside.
+def from_image(path: str | Path, voxel: Sequence[float], smoothing: int,
+               wedges: Wedges = None) -> tuple[Floats, dict[tuple[int, str], Ints]]:
+    """Nodes (node, 3) about the image's middle, and elements by label and type, of an image with 0 outside.
 
     ``voxel``: its edges along x, y, z. Arrays are [x, y, z], pages of a TIFF [z][y][x]. ``smoothing``: rounds that the
-    surfaces are smoothed in.
+    surfaces are smoothed in. ``wedges``: layers around each cell, and their share of the way to the next surface.
     """
     import_extra("pyvista")
     where = Where(str(path))
@@ -57,8 +52,8 @@ def from_image(path: str | Path, voxel: Sequence[float], smoothing: int) -> tupl
     numbers = [int(n) for n in np.unique(labels) if n != 0]
     regions = [Region(str(n), tuple(int(k) for k in np.flatnonzero((pairs == n).any(axis=1)))) for n in numbers]
     surface = smoothed(np.asarray(net.points, dtype=float)[used], triangles, smoothing)
-    X, found = _filled(surface, patches, regions, where)
-    return X, {(int(name), "tet4"): conn for name, conn in found.items()}
+    X, found = _filled(surface, patches, regions, wedges, where)
+    return X, {(int(name), kind): conn for (name, kind), conn in found.items()}
 
 
 def smoothed(X: Floats, triangles: Ints, rounds: int) -> Floats:
@@ -96,8 +91,8 @@ def _labels(path: Path, where: Where) -> Ints:
     return np.pad(v.astype(np.int64), 1)  # 0 around, so that all is closed
 
 
-def from_surfaces(files: Mapping[str, str], scale: float) -> Parts:
-    """Tetrahedra in closed surfaces, by part; a part that has others in it is what lies between."""
+def from_surfaces(files: Mapping[str, str], scale: float, wedges: Wedges = None) -> Parts:
+    """Elements in closed surfaces, by part; a part that has others in it is what lies between."""
     import meshio
 
     X: list[Floats] = []
@@ -121,8 +116,10 @@ def from_surfaces(files: Mapping[str, str], scale: float) -> Parts:
     names, nodes = list(files), np.concatenate(X)
     outer = [_parent(nodes, patches, i) for i in range(len(names))]
     regions = [Region(n, (i, *(j for j, p in enumerate(outer) if p == i))) for i, n in enumerate(names)]
-    filled, found_in = _filled(nodes, patches, regions, Where(", ".join(files.values())))
-    return Parts(filled, {name: ("tet4", conn) for name, conn in found_in.items()})
+    filled, found_in = _filled(nodes, patches, regions, wedges, Where(", ".join(files.values())))
+    several = {name for name, kind in found_in if kind != "tet4"}
+    return without_loose_nodes(filled, {f"{name}_{kind}" if name in several else name: (kind, conn)
+                                        for (name, kind), conn in found_in.items()})
 
 
 def _merged(points: Floats) -> tuple[Floats, Ints]:
@@ -163,18 +160,35 @@ def _volume(triangles: Floats) -> float:
     return float(np.einsum("ni,ni->n", a, np.cross(b, c)).sum() / 6.0)
 
 
-def _filled(X: Floats, patches: Sequence[Ints], regions: Sequence[Region],
-            where: Where) -> tuple[Floats, dict[str, Ints]]:
-    """Nodes and tetrahedra of the regions, by gmsh: nodes and triangles of the patches are kept."""
+def _filled(X: Floats, patches: Sequence[Ints], regions: Sequence[Region], wedges: Wedges,
+            where: Where) -> tuple[Floats, dict[tuple[str, str], Ints]]:
+    """Nodes, and elements of the regions by name and type: tetrahedra by gmsh between wedges where there are any."""
+    if wedges is None:
+        X, found = _tetrahedra(X, patches, regions, where)
+        return X, {(name, "tet4"): conn for name, conn in found.items()}
+    made = layered(X, patches, regions, *wedges, where)
+    X, found = _tetrahedra(made.X, made.patches, made.regions, where)
+    out: dict[tuple[str, str], Ints] = {}
+    for name, conn in found.items():
+        out[name, "tet4"] = conn
+        if name in made.wedges:
+            out[name, "penta6"] = made.wedges[name]
+    return X, out
+
+
+def _tetrahedra(X: Floats, patches: Sequence[Ints], regions: Sequence[Region],
+                where: Where) -> tuple[Floats, dict[str, Ints]]:
+    """Nodes, the given ones first, and tetrahedra of the regions, by gmsh: triangles of the patches are kept."""
     gmsh = import_extra("gmsh")
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         for k in range(len(patches)):
             gmsh.model.addDiscreteEntity(2, k + 1)
-        gmsh.model.mesh.addNodes(2, 1, np.arange(1, len(X) + 1), X.ravel())
+        used, flat = np.unique(np.concatenate([p.ravel() for p in patches]), return_inverse=True)
+        gmsh.model.mesh.addNodes(2, 1, np.arange(1, len(used) + 1), X[used].ravel())
         first = 1
-        for k, conn in enumerate(patches, 1):
+        for k, conn in enumerate(np.split(flat.reshape(-1, 3), np.cumsum([len(p) for p in patches])[:-1]), 1):
             gmsh.model.mesh.addElementsByType(k, 2, np.arange(first, first + len(conn)), (conn + 1).ravel())
             first += len(conn)
         volumes = {}
@@ -185,12 +199,13 @@ def _filled(X: Floats, patches: Sequence[Ints], regions: Sequence[Region],
         gmsh.model.mesh.generate(3)
         for method in ("", "Netgen"):  # slivers
             gmsh.model.mesh.optimize(method)
-        tags, flat, _ = gmsh.model.mesh.getNodes()
-        number = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
-        number[tags.astype(np.int64)] = np.arange(len(tags))
-        found = {n: number[gmsh.model.mesh.getElementsByType(4, v)[1].astype(np.int64)].reshape(-1, 4)
-                 for n, v in volumes.items()}
-        return flat.reshape(-1, 3), found
+        tags, points, _ = gmsh.model.mesh.getNodes()
+        new = tags > len(used)
+        number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        number[1:len(used) + 1] = used
+        number[tags[new]] = len(X) + np.arange(new.sum())
+        found = {n: number[gmsh.model.mesh.getElementsByType(4, v)[1]].reshape(-1, 4) for n, v in volumes.items()}
+        return np.concatenate([X, points.reshape(-1, 3)[new]]), found
     except Exception as e:  # gmsh raises nothing more particular
         raise InputError(f"gmsh cannot fill the surfaces: {e}", where) from None
     finally:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from febkit.model import ElementBlock, Mesh, NodeSet, Surface
+from febkit.model import ElementBlock, ElementSet, Mesh, NodeSet, Surface
 from febkit.model.mesh import Floats, Ints
 
 from .facets import Facets, between_parts, select
-from .parts import Parts
+from .parts import Parts, body
 
 # name: axis, and whether it is the far side
 FACES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
@@ -24,7 +26,8 @@ def named_mesh(made: Parts) -> Mesh:
     Surfaces: the six faces (of a body whose outer surface lies in the planes of its bounding box),
     ``outer``; for each cell ``cell_i_surface`` out of the cell, for each PCM ``pcm_i_surface`` into
     the ECM, ``cell_cube`` between ECM and tissue. Node sets: ``x_faces``, ``y_faces``, ``bottom``,
-    ``top``, ``outer``. Part lists: ``cells``, ``pcms``, ``membranes``.
+    ``top``, ``outer``. Part lists: ``cells``, ``pcms``, ``membranes``. Element sets: bodies with elements of several
+    types.
     """
     names = list(made.parts)
     facets = between_parts(list(made.parts.values()), len(made.X))
@@ -35,10 +38,13 @@ def named_mesh(made: Parts) -> Mesh:
                  for name, faces in FACE_NODES.items()}
     node_sets["outer"] = _nodes([surfaces["outer"]])
     lists = {k: tuple(n for n in (*names, *made.shells) if n.startswith(prefix)) for k, prefix in PART_LISTS.items()}
+    blocks = _blocks(made)
     return Mesh(
-        node_ids=np.arange(1, len(made.X) + 1), X=made.X, blocks=_blocks(made),
+        node_ids=np.arange(1, len(made.X) + 1), X=made.X, blocks=blocks,
         node_sets={k: NodeSet(k, v) for k, v in node_sets.items() if len(v)},
         surfaces={k: _surface(k, v) for k, v in surfaces.items() if v},
+        element_sets={k: ElementSet(k, np.concatenate([blocks[i].ids for i in own]))
+                      for k, own in bodies(names).items() if len(own) > 1},
         part_lists={k: v for k, v in lists.items() if v},
         node_blocks={"nodes": np.arange(len(made.X))},
     )
@@ -78,20 +84,26 @@ def _faces(X: Floats, outer: dict[str, Ints]) -> dict[str, dict[str, Ints]]:
 
 def _interfaces(names: list[str], facets: list[Facets]) -> dict[str, dict[str, Ints]]:
     """Surfaces of the cells (out of the cell), of the PCM (into what surrounds it), of the cell cube."""
-    number = {name: i for i, name in enumerate(names)}
     found = {}
-    for name, i in number.items():
+    for name, own in bodies(names).items():
         role = name.partition("_")[0]
         if role == "cell":
-            found[f"{name}_surface"] = select(facets, np.array([i]))
+            found[f"{name}_surface"] = select(facets, np.array(own))
         elif role == "pcm":
-            beside = np.unique(np.concatenate([f.outside[f.inside == i] for f in facets])).tolist()
-            within = [i] + [k for k in beside if k >= 0 and names[k].startswith("cell")]
+            beside = np.unique(np.concatenate([f.outside[np.isin(f.inside, own)] for f in facets])).tolist()
+            within = own + [k for k in beside if k >= 0 and names[k].startswith("cell")]
             found[f"{name}_surface"] = select(facets, np.array(within))
-    if "tissue" in number and len(names) > 1:
-        inner = np.array([i for n, i in number.items() if n != "tissue"])
-        found["cell_cube"] = select(facets, inner)
+    if "tissue" in bodies(names) and len(names) > 1:
+        found["cell_cube"] = select(facets, np.array([i for i, n in enumerate(names) if body(n) != "tissue"]))
     return found
+
+
+def bodies(names: Sequence[str]) -> dict[str, list[int]]:
+    """Numbers of the parts of each body."""
+    out: dict[str, list[int]] = {}
+    for i, name in enumerate(names):
+        out.setdefault(body(name), []).append(i)
+    return out
 
 
 def _nodes(surfaces: list[dict[str, Ints]]) -> Ints:
@@ -101,13 +113,13 @@ def _nodes(surfaces: list[dict[str, Ints]]) -> Ints:
 
 
 def membranes(made: Parts) -> dict[str, tuple[str, Ints]]:
-    """Shells ``membrane_i`` on the surface of each cell, front outwards."""
-    names = list(made.parts)
+    """Shells ``membrane_i`` on the surface of each cell, front outwards; one for each type of facet, if several."""
     facets = between_parts(list(made.parts.values()), len(made.X))
     found = {}
-    for i, name in enumerate(names):
+    for name, own in bodies(list(made.parts)).items():
         role, _, which = name.partition("_")
         if role == "cell":
-            for kind, conn in select(facets, np.array([i])).items():
-                found[f"membrane_{which}"] = (kind, conn)
+            surface = select(facets, np.array(own))
+            for kind, conn in surface.items():
+                found[f"membrane_{which}" + (f"_{kind}" if len(surface) > 1 else "")] = (kind, conn)
     return found

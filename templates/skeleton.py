@@ -50,6 +50,8 @@ def expand(path: Path, names: Mapping[str, Any]) -> bytes:
         raise InputError(f"not well-formed XML: {e.msg}", Where(str(path), e.lineno or 0)) from None
     root = tree.getroot()
     _expand_children(root, dict(names), str(path))
+    for section in root.iterfind("Material"):  # FEBio wants them by their ids, whichever of the file's lines made them
+        section[:] = sorted(section, key=lambda m: int(m.get("id", 0)))
     data: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return data
 

@@ -19,14 +19,15 @@ from febkit.model.elements import ELEMENTS
 from febkit.model.mesh import Floats, Ints
 
 from .facets import between_parts
-from .parts import Parts
+from .parts import Parts, without_loose_nodes
 from .quality import jacobians
+from .segmented import Wedges, from_image
 
 # the corners whose swap turns an element outside in
 MIRROR = {
     "hex8": (4, 5, 6, 7, 0, 1, 2, 3), "tet4": (0, 2, 1, 3), "penta6": (3, 4, 5, 0, 1, 2),
     "hex20": (4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19),
-    "tet10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8),
+    "tet10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8), "pyra5": (0, 3, 2, 1, 4),
 }
 TYPES = {ELEMENTS[n].meshio: n for n in MIRROR}  # meshio's name: FEBio's
 USUAL = ("part", "gmsh:physical", "medit:ref", "cell_tags", "label", "labels", "material", "MaterialID")
@@ -58,12 +59,11 @@ def user_mesh(path: str | Path, names: Mapping[str, str], array: str = "", scale
     return _named(X, merged, names, m.field_data, where)
 
 
-def named_image(path: str | Path, names: Mapping[str, str], voxel: Sequence[float], smoothing: int) -> Parts:
-    """Tetrahedra in an image of labels, its parts named as those of a mesh."""
-    from .segmented import from_image
-
+def named_image(path: str | Path, names: Mapping[str, str], voxel: Sequence[float], smoothing: int,
+                wedges: Wedges = None) -> Parts:
+    """Elements in an image of labels, its parts named as those of a mesh."""
     where = Where(str(path))
-    X, found = from_image(path, voxel, smoothing)
+    X, found = from_image(path, voxel, smoothing, wedges)
     groups = {key: _upright(X, key[1], conn, where) for key, conn in found.items()}
     return _named(X, groups, names, {}, where)
 
@@ -124,7 +124,7 @@ def _named(X: Floats, groups: dict[tuple[int, str], Ints], names: Mapping[str, s
                 raise InputError(f"part '{name}' mixes {before[0]} and {kind}: name them apart", where)
             conn = groups[n, kind]
             parts[name] = (kind, conn if before is None else np.concatenate([before[1], conn]))
-    return _without_loose_nodes(X, parts)
+    return without_loose_nodes(X, parts)
 
 
 def _rank(name: str) -> tuple[int, int, str]:
@@ -155,10 +155,3 @@ def _from_outside_in(nodes: int, groups: dict[tuple[int, str], Ints], numbers: l
     for n in numbers:
         title.setdefault(n, f"part_{n}")
     return title
-
-
-def _without_loose_nodes(X: Floats, parts: dict[str, tuple[str, Ints]]) -> Parts:
-    used = np.unique(np.concatenate([conn.ravel() for _, conn in parts.values()]))
-    new = np.full(len(X), -1, dtype=np.int64)
-    new[used] = np.arange(len(used))
-    return Parts(X[used], {name: (kind, new[conn]) for name, (kind, conn) in parts.items()})

@@ -118,6 +118,16 @@ def test_materials_from_tables_and_from_another_model(tmp_path: Path) -> None:
     assert not [f for f in validate(tmp_path / "elsewhere/c.feb", solvable=True) if f.severity != "hint"]
 
 
+SOLID = {"type": "neo-Hookean", "E": 1.0, "v": 0.1}
+
+
+@pytest.mark.parametrize("given", [{"membrane_thickness": 1e-5}, {"pcm": SOLID}, {"cell": SOLID}])
+def test_materials_by_tables_and_parameters_are_in_order(given: dict[str, Any], tmp_path: Path) -> None:
+    """FEBio counts materials from 1, in the order of the file."""
+    write(new("cell", n=6, cells=1, edge=0.05, layers=[1, 1, 1], **given), tmp_path / "m.feb")
+    assert not [f for f in validate(tmp_path / "m.feb", solvable=True) if f.severity in ("error", "unsupported")]
+
+
 def write_text(model: Any, path: Path) -> str:
     write(model, path)
     return path.read_text()

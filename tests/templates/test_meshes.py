@@ -102,7 +102,7 @@ def test_other_elements_fill_the_cube(kind: str) -> None:
         assert (np.einsum("fi,fi->f", normal, x[:, 0]) > 0).all()  # outwards
 
 
-@pytest.mark.parametrize("kind", [k for k in FACETS if k not in ("hex8", "tet4", "penta6")])
+@pytest.mark.parametrize("kind", [k for k in FACETS if k not in ("hex8", "tet4", "penta6", "pyra5")])
 def test_middle_nodes_of_facets_lie_in_the_middle(kind: str) -> None:
     X, conn = filled((tissue_planes(1, 1.0, 0.0),) * 3, kind)
     for local in FACETS[kind]:
@@ -207,7 +207,34 @@ def test_given_centres_are_kept() -> None:
     assert_conforming(cube.mesh, 0.1)
 
 
+WHOLE = {"cells": 20, "block": 3, "cut_from": 0.2, "layers": [1, 1, 1], "seed": 3}
+
+
+@pytest.mark.parametrize("more", [{}, {"zone": "deep", "block": 0, "diameter": 0.01, "spacing": 0.0005}])
+def test_cubes_cut_from_one_have_the_same_cells(more: dict[str, Any]) -> None:
+    """Every block of the larger cube that lies in the smaller one, and its elements node for node."""
+    large, small = (cell_cube(values("cell", **WHOLE | more | {"edge": e, "n": n})) for e, n in ((0.2, 24), (0.15, 18)))
+    alone = cell_cube(values("cell", **WHOLE | more | {"edge": 0.2, "n": 24, "cut_from": 0.0}))
+    assert 0 < len(small.cells) < len(large.cells) == len(alone.cells)
+    low, high = large.places.start, large.places.start + large.places.size
+    inside = ((low >= 3 + 1) & (high <= 21 - 1)).all(axis=1)
+    k = len(small.cells)
+    assert inside.sum() == k and inside[:k].all()  # numbered from the middle on
+    assert np.allclose(small.places.centres, large.places.centres[:k], atol=1e-15)
+    names = [n for n in small.mesh.parts if n.startswith(("cell", "pcm"))]
+    for n in names:
+        a, b = (cube.mesh.X[cube.mesh.parts[n][1]] for cube in (small, large))
+        assert np.allclose(a, b, atol=1e-14)
+    middles = [{tuple(c) for c in np.round(cube.places.centres, 12)} for cube in (alone, large)]
+    assert middles[0] == middles[1]
+    assert_conforming(small.mesh, 0.15)
+
+
 @pytest.mark.parametrize(("given", "words"), [
+    ({"edge": 0.1, "n": 12, "cut_from": 0.21}, r"whole number of elements.* more on each side; 0.216667 is"),
+    ({"edge": 0.1, "n": 12, "cut_from": 0.05}, "0.1 is"),
+    ({"edge": 0.1, "n": 13, "cut_from": 0.2, "cells": 1, "layers": [1, 1, 1]}, "0.207692 is|0.192308 is"),
+    ({"edge": 0.05, "n": 6, "cut_from": 0.2, "block": 3, "cells": 1}, "none of the 1 cells.*another seed"),
     ({"centres": [[0.049, 0, 0]]}, "does not fit"),
     ({"centres": [[0, 0, 0], [0.012, 0, 0]]}, "overlaps"),
     ({"cells": 200, "n": 12}, "no room"),
@@ -326,6 +353,9 @@ def test_quality_of_known_elements() -> None:
     assert aspect(regular, "tet4", tet)[0] == pytest.approx(1.0)
     wedge = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.75**0.5, 0], [0, 0, 1], [1, 0, 1], [0.5, 0.75**0.5, 1]])
     assert scaled_jacobian(wedge, "penta6", np.arange(6)[None])[0] == pytest.approx(1.0)
+    pyramid = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0.5**0.5]])
+    assert scaled_jacobian(pyramid, "pyra5", np.arange(5)[None])[0] == pytest.approx(1.0)
+    assert volumes(pyramid, "pyra5", np.arange(5)[None])[0] == pytest.approx(0.5**0.5 / 3)
 
 
 def test_hex_volume_is_exact_for_a_trilinear_map() -> None:

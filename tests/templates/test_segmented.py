@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,13 @@ import pytest
 
 import febkit
 from febkit.feb import validate, write
+from febkit.metrics import cell_metrics
 from febkit.model import InputError
+from febkit.model.elements import ELEMENTS
 from febkit.templates import new
 from febkit.templates.quality import judge, volumes
 
+SURFACES = {"stl": "", "coarse": "_coarse"}
 RADII = {1: 0.010, 2: 0.007, 3: 0.005}  # of ECM, PCM, cell (mm)
 
 
@@ -43,14 +47,16 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pages[0].save(folder / "balls.tif", save_all=True, append_images=pages[1:])
     for name, radius in (("ecm", 1.0), ("pcm_1", 0.7), ("cell_1", 0.5)):
         pv.Icosphere(radius=radius, nsub=3).save(folder / f"{name}.stl")
+        pv.Icosphere(radius=radius, nsub=2).save(folder / f"{name}_coarse.stl")
     return folder
 
 
 def made(kind: str, files: Path, **more: Any) -> Any:
-    file, n = {"npy": ("balls.npy", 28), "tif": ("balls.tif", 14), "few": ("few.npy", 14), "stl": ("", 5)}[kind]
+    if kind in SURFACES:
+        names = {n: str(files / f"{n}{SURFACES[kind]}.stl") for n in ("ecm", "pcm_1", "cell_1")}
+        return new("chondron", surfaces=names, scale=0.01, **more)
+    file, n = {"npy": ("balls.npy", 28), "tif": ("balls.tif", 14), "few": ("few.npy", 14)}[kind]
     given: dict[str, Any] = {"mesh_file": str(files / file), "voxel": [0.02 / (n - 4)] * 3}
-    if kind == "stl":
-        given = {"surfaces": {n: str(files / f"{n}.stl") for n in ("ecm", "pcm_1", "cell_1")}, "scale": 0.01}
     return new("chondron", **given, **more)
 
 
@@ -75,7 +81,7 @@ def test_a_tiff_is_the_array_it_holds(files: Path) -> None:
 
 
 def test_quadratic_tetrahedra(files: Path) -> None:
-    mesh = made("stl", files, tets="tet10").mesh
+    mesh = made("coarse", files, tets="tet10").mesh
     ecm = mesh.blocks[0]
     assert ecm.type == "tet10"
     x = mesh.X[ecm.conn]
@@ -85,10 +91,60 @@ def test_quadratic_tetrahedra(files: Path) -> None:
     assert next(b for b in mesh.blocks if b.name == "membrane_1").type == "tri6"
 
 
-def test_what_is_made_is_solved(files: Path, tmp_path: Path) -> None:
-    write(made("few", files, times=[0, 0.5], ramp=0.5, first_step=0.5), tmp_path / "balls.feb")
+def image_of_two(n: int = 18) -> np.ndarray:
+    """Two cells (3, 4) in one PCM (2) in a block (1), in voxels."""
+    x = np.arange(n) - (n - 1) / 2
+    flat = x[None, :, None] ** 2 + x[None, None, :] ** 2
+    labels = np.zeros((n, n, n), dtype=np.uint8)
+    labels[1:-1, 1:-1, 1:-1] = 1
+    labels[(x[:, None, None] / 7.5) ** 2 + flat / 25 < 1] = 2
+    for label, middle in ((3, -3.5), (4, 3.5)):
+        labels[(x[:, None, None] - middle) ** 2 + flat < 2.4**2] = label
+    return labels
+
+
+def facets_of(blocks: Any) -> Counter[frozenset[int]]:
+    """How many elements have each facet, by its nodes."""
+    return Counter(frozenset(facet) for b in blocks for _, local in ELEMENTS[b.type].facets
+                   for facet in b.conn[:, local].tolist())
+
+
+@pytest.mark.parametrize("kind", ["few", "coarse"])
+def test_wedges_around_a_cell(kind: str, files: Path) -> None:
+    mesh = made(kind, files, tets="hybrid", wedges=3, wedge_share=0.3).mesh
+    solids = [b for b in mesh.blocks if b.name != "membrane_1"]
+    assert [(b.name, b.type) for b in solids] == [("ecm", "tet4"), ("pcm_1_tet4", "tet4"), ("pcm_1_penta6", "penta6"),
+                                                  ("cell_1", "tet4")]
+    surface = mesh.surfaces["cell_1_surface"].facets["tri3"]
+    assert len(solids[2].conn) == 3 * len(surface)
+    times, outer = facets_of(solids), {frozenset(t) for t in mesh.surfaces["outer"].facets["tri3"].tolist()}
+    assert {f for f, n in times.items() if n == 1} == outer and max(times.values()) == 2  # conforming
+    assert len(np.unique(np.concatenate([b.conn.ravel() for b in solids]))) == len(mesh.X)
+    size = {b.name: float(volumes(mesh.X, b.type, b.conn).sum()) for b in solids}
+    whole = {b.name: float(volumes(mesh.X, b.type, b.conn).sum()) for b in made(kind, files).mesh.blocks[:3]}
+    assert size["pcm_1_tet4"] + size["pcm_1_penta6"] == pytest.approx(whole["pcm_1"], rel=1e-12)
+    thick = np.linalg.norm(mesh.X[solids[2].conn[:, 3:]] - mesh.X[solids[2].conn[:, :3]], axis=2)
+    assert np.allclose(thick, 0.3 / 3 * 0.002, rtol=0.25)  # of a PCM of 0.002 mm
+    assert np.array_equal(np.sort(mesh.element_sets["pcm_1"].elements), np.sort(np.r_[solids[1].ids, solids[2].ids]))
+    outside = np.linalg.norm(mesh.X[mesh.surfaces["pcm_1_surface"].facets["tri3"]], axis=2)
+    assert outside.min() > 0.006  # and none between wedges and tetrahedra, at 0.0056
+    assert next(b for b in mesh.blocks if b.name == "membrane_1").conn.shape == surface.shape
+
+
+def test_two_cells_in_one_pcm_have_wedges_each(files: Path) -> None:
+    np.save(files / "two.npy", image_of_two())
+    model = new("chondron", mesh_file=str(files / "two.npy"), voxel=[0.001] * 3, tets="hybrid", wedges=1)
+    found = {b.name: len(b.conn) for b in model.mesh.blocks}
+    assert found["pcm_1_penta6"] == sum(len(model.mesh.surfaces[f"cell_1_{k}_surface"].facets["tri3"]) for k in (1, 2))
+
+
+@pytest.mark.parametrize("tets", ["tet4", "hybrid"])
+def test_what_is_made_is_solved(tets: str, files: Path, tmp_path: Path) -> None:
+    write(made("few", files, times=[0, 0.5], ramp=0.5, first_step=0.5, tets=tets), tmp_path / "balls.feb")
     assert not [f for f in validate(tmp_path / "balls.feb", solvable=True) if f.severity in ("error", "unsupported")]
-    assert febkit.read(tmp_path / "balls.feb").solve().converged
+    result = febkit.read(tmp_path / "balls.feb").solve()
+    assert result.converged
+    assert cell_metrics(result.dataset, febkit.read(tmp_path / "balls.feb"))["cell"].values.tolist() == ["cell_1"]
 
 
 @pytest.mark.parametrize(("given", "words"), [
@@ -98,6 +154,8 @@ def test_what_is_made_is_solved(files: Path, tmp_path: Path) -> None:
     ({"surfaces": {"ecm": "open.stl"}}, "surface of ecm is not closed"),
     ({"surfaces": {"ecm": "none.stl"}}, "cannot read the surface of ecm"),
     ({"surfaces": {"bone": "ecm.stl"}}, "templates know parts named"),
+    ({"surfaces": {"ecm": "ecm.stl"}, "tets": "hybrid"}, "here is none"),
+    ({"tets": "hybrid", "wedge_share": 0.6}, "wedge_share"),
 ])  # fmt: skip
 def test_what_cannot_be_is_refused(given: dict[str, Any], words: str, files: Path, monkeypatch: Any) -> None:
     monkeypatch.chdir(files)

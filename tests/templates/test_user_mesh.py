@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+import febkit
+from febkit.metrics import cell_metrics
 from febkit.model import InputError
 from febkit.templates import new
 from febkit.templates.cell_cube import cell_cube
 from febkit.templates.elements import filled
+from febkit.templates.quality import volumes
 from febkit.templates.template import load
 from febkit.templates.tissue_cube import tissue_planes
 from febkit.templates.user_mesh import user_mesh
@@ -106,3 +109,34 @@ def test_crushed_elements_are_refused(tmp_path: Path) -> None:
     meshio.Mesh(X, [("hexahedron", conn)]).write(tmp_path / "m.vtk")
     with pytest.raises(InputError, match="not positive"):
         user_mesh(tmp_path / "m.vtk", {})
+
+
+def pyramids_in_a_lattice(path: Path) -> None:
+    """4 x 3 x 3 cubes of 0.01 mm; the two in the middle are the cell, one of them in six pyramids."""
+    X, conn = filled((np.linspace(-0.02, 0.02, 5), *(np.linspace(-0.015, 0.015, 4),) * 2), "hex8")
+    middle = X[conn].mean(axis=1)
+    cell = (np.abs(middle) < 0.006).all(axis=1)
+    right = cell & (middle[:, 0] > 0)
+    apex = len(X)
+    base = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
+    pyramids = np.array([[*conn[right][0][b], apex] for b in base])
+    pyramids[::2] = pyramids[::2][:, [3, 2, 1, 0, 4]]  # turned inside out, which is put right
+    part = np.where(cell, 2, 1)[~right]
+    meshio.Mesh(np.concatenate([X, middle[right]]), [("hexahedron", conn[~right]), ("pyramid", pyramids)],
+                cell_data={"part": [part, np.full(6, 2)]}).write(path)
+
+
+def test_a_cell_of_hexahedra_and_pyramids_is_one_cell(tmp_path: Path) -> None:
+    pyramids_in_a_lattice(tmp_path / "m.vtk")
+    model = new("cell", mesh_file=str(tmp_path / "m.vtk"), part_names={"1": "ecm", "2": "cell_1"}, times=[0, 0.1],
+                membrane_thickness=1e-5)
+    mesh = model.mesh
+    assert [(b.name, b.type) for b in mesh.blocks] == [
+        ("ecm", "hex8"), ("cell_1_hex8", "hex8"), ("cell_1_pyra5", "pyra5"), ("membrane_1", "quad4")]
+    assert {k: float(volumes(mesh.X, k, mesh.block(f"cell_1_{k}").conn).sum()) for k in ("hex8", "pyra5")} == (
+        pytest.approx({"hex8": 1e-6, "pyra5": 1e-6}))
+    assert {k: len(c) for k, c in mesh.surfaces["cell_1_surface"].facets.items()} == {"quad4": 10}
+    febkit.write(model, tmp_path / "m.feb")
+    result = febkit.read(tmp_path / "m.feb").solve()
+    found = cell_metrics(result.dataset, febkit.read(tmp_path / "m.feb"))
+    assert result.converged and found["cell"].values.tolist() == ["cell_1"]
