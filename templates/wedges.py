@@ -38,7 +38,8 @@ def layered(X: Floats, patches: Sequence[Ints], regions: Sequence[Region], layer
 
     Nodes of the surface are moved along its normals by ``share`` of their distance to the other's next surface.
     """
-    made, names = list(patches), {}
+    made: list[Ints] = list(patches)
+    names: dict[str, list[Ints]] = {}
     outer = {r.name: list(r.patches) for r in regions}
     for r in regions:
         around = [o for o in regions if o is not r and set(r.patches) <= set(o.patches)]

@@ -145,9 +145,9 @@ def test_the_verb_reports_thickness_and_quality(tmp_path: Path) -> None:
 def test_materials_and_membranes_of_cells_in_a_cube() -> None:
     ecm = {"type": "Holmes-Mow", "E": "${2*cell_E}", "v": 0.2, "beta": 1.0}
     model = new("cell", size="small", cells=2, ecm=ecm, membrane_thickness=1e-5)
-    assert [m.name for m in model.materials] == ["ecm", "membrane", "pcm", "chondrocyte"]
+    assert [m.name for m in model.materials] == ["ecm", "pcm", "chondrocyte", "membrane"]
     assert model.materials[0].need("solid").float("E") == 0.002 and model.materials[0].float("phi0") == 0.2
-    assert model.materials[2].need("solid").type == "neo-Hookean"
+    assert model.materials[1].need("solid").type == "neo-Hookean"
     shells = {d.block: d.material for d in model.domains if d.kind == "shell"}
     assert shells == {"membrane_1": "membrane", "membrane_2": "membrane"}
     with pytest.raises(InputError, match="biphasic"):
