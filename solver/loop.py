@@ -54,6 +54,10 @@ class Loop:
         self.stale = False
         return Fd
 
+    def direction(self, R0: Floats) -> Floats:
+        """Where the residual R0 leads to."""
+        return self.qn.solve(R0)
+
     def line(self, u: Floats, R0: Floats) -> tuple[float, Floats]:
         """How far to go along u, and the residual there."""
         n = self.newton
@@ -63,7 +67,7 @@ class Loop:
         """One iteration: the residual after it, None where the step is solved."""
         n, o, k = self.newton, self.newton.options, self.newton.count
         if u is None:
-            u = self.qn.solve(R0)
+            u = self.direction(R0)
         if not whole(u):
             raise NotConverged("the solution of the linear system is not finite (singular tangent?)")
         s, R1 = self.line(u, R0)

@@ -41,6 +41,16 @@ class Strategy(Protocol):
     def solve(self) -> None: ...
 
 
+class Along(Strategy, Protocol):
+    """A strategy that goes along the path of equilibrium; ``factor``: how much of the loads acts."""
+
+    factor: float
+
+    def snapshot(self) -> Any: ...
+
+    def restore(self, saved: Any) -> None: ...
+
+
 @dataclass(slots=True, eq=False)
 class Counts:
     iterations: int = 0
@@ -69,6 +79,7 @@ class Newton:
         self.total = system.gather(system.state.d).copy()
         self.count = Counts()
         self.calm = 0  # steps since one that was hard
+        self.steps = 0  # that were solved
         self.augments = any(g.physics.augments for g in system.groups) or any(a.augments for a in system.acting)
         self.before_augment: Callable[[], None] = lambda: None  # told of solutions whose multipliers are renewed next
         self.fresh: Strategy = Loop(self)
@@ -77,11 +88,16 @@ class Newton:
         if self.reuse:
             self.usual, self.fresh = Kept(self, leans=True), Kept(self, leans=False)
         self.guarded: Strategy = Guarded(self)
+        self.arc: Along | None = None
 
     @property
     def full(self) -> bool:
         """Is the tangent renewed in every iteration?"""
         return self.options.full
+
+    def follow(self, path: Along) -> None:
+        """Solve all steps so."""
+        self.arc = self.usual = self.fresh = path
 
     # ---- pieces -----------------------------------------------------------------------------------
     def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:
@@ -141,6 +157,10 @@ class Newton:
         """The present time step begins: contacts and stresses are updated. Increments of prescribed unknowns."""
         system = self.system
         self.aim()
+        if self.options.logarithmic and self.steps:
+            from .logarithmic import logarithmic
+
+            system.join = logarithmic
         given = np.zeros_like(self.total)
         given[self.given] = (system.gather(self.target) - system.gather(system.state.d))[self.given]
         system.update()
@@ -155,6 +175,7 @@ class Newton:
         """The increment is the step's. What contacts hold at ambient values keeps its own, from which it goes on where
         surfaces meet again (as in FEBio)."""
         self.total = self.system.accumulate(self.total, self.increment)
+        self.steps += 1
 
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
@@ -191,11 +212,13 @@ class Newton:
 
     # ---- what a failed try gives back -------------------------------------------------------------
     def snapshot(self) -> Any:
-        """The unknowns at the last converged state, and the easy steps before it."""
-        return self.total.copy(), self.calm
+        """The unknowns at the last converged state, the steps before it and the easy ones, and the way along an arc."""
+        return self.total.copy(), self.calm, self.steps, self.arc.snapshot() if self.arc is not None else None
 
     def restore(self, saved: Any) -> None:
-        self.total, self.calm = saved[0].copy(), saved[1]
+        self.total, self.calm, self.steps = saved[0].copy(), saved[1], saved[2]
+        if self.arc is not None:
+            self.arc.restore(saved[3])
 
     def close(self) -> None:
         """Free all factorisations."""

@@ -120,6 +120,9 @@ class NewtonOptions:
     beta: float = 0.25
     gamma: float = 0.5
     rho_inf: float = -2.0
+    arc_length: bool = False
+    arc_length_scale: float = 0.0
+    logarithmic: bool = False  # of residuals, from an analysis step's second time step on [logSolve]
 
     @property
     def full(self) -> bool:

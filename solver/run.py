@@ -285,6 +285,10 @@ class Run:
         rest = make, watch, self.clock, reuse, self._newton_options()
         if self.step.explicit is None:
             self.newton = Newton(self.system, *rest)
+            if self.step.newton.arc_length:
+                from .arc_length import ArcLength
+
+                self.newton.follow(ArcLength(self.newton))
         else:
             from .explicit import Explicit
 
@@ -387,7 +391,8 @@ class Run:
             return newton.guarded
         if step.retry():
             return newton.guarded if how is newton.guarded else newton.fresh
-        return newton.guarded if isinstance(e, ElementFailure) and step.persist() else None
+        turned = isinstance(e, ElementFailure) and newton.arc is None
+        return newton.guarded if turned and step.persist() else None
 
     def _retried(self, e: Exception) -> str:
         """What a final failure adds: the retries that were made."""

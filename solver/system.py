@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -59,6 +60,7 @@ class System:
         self.progress = Progress()
         self.dry: NDArray[np.int64] | None = None  # equations that contact holds at ambient values
         self.finite = True  # all forces of the last residual were
+        self.join: Callable[[Floats, Floats], Floats] | None = None  # residual of internal forces and others; None: sum
         self.eqs = Equations(self._active(), self.conditions)
         self.rotations = self._turn()
         self.dynamic = step.analysis == DYNAMIC
@@ -362,9 +364,19 @@ class System:
             total += R
         if self.layout.moves:
             s.reaction = -self.layout.u(total)
-        self.add_external(total)
+        if self.join is None:
+            self.add_external(total)
+            return self._over(total)
+        external = np.zeros_like(total)
+        self.add_external(external)
+        parts = self._over(total), self._over(external)
+        self.finite = whole(total) and whole(external)
+        return self.join(*parts)
+
+    def _over(self, total: Floats) -> Floats:
+        """Nodal forces over the equations."""
         if self.ties is not None:
-            self.ties.gather(s, total, self.alphaf)
+            self.ties.gather(self.state, total, self.alphaf)
         self.finite = whole(total)  # forces at held and prescribed unknowns too, which no norm sees
         out = self.gather(total)
         out[self.eqs.given] = 0.0

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from febkit.model import Component, Domain, InputError
+from febkit.model.elements import ALIASES
 from febkit.solver import physics
 from febkit.solver.problem import DYNAMIC, Block, Step
 from febkit.solver.solids.inert import Inert
@@ -26,7 +27,7 @@ SECTION = ("A", "A1", "A2", "I1", "I2", "density")
 def block(ctx: Context, d: Domain, material: Component, solid_of: Solids) -> Block | None:
     """The block of a domain; None where something is refused. ``solid_of`` makes the record of a solid."""
     mesh = ctx.blocks[d.block]
-    element = {"truss2": "line2"}.get(mesh.type, mesh.type)
+    element = ALIASES.get(mesh.type, mesh.type)
     kind = d.type or ("linear-truss" if element == "line2" and material.type == "linear truss" else "")
     if kind not in KINDS or ctx.model.module != "solid":
         what = f'<BeamDomain type="{kind}">' if kind else f'a beam domain of "{material.type}" without a type'

@@ -62,6 +62,8 @@ def step(ctx: Context, control: Component, out: Step) -> None:
         out.newton = _newton(ctx, solver)
     if out.analysis == DYNAMIC:
         _check_integrator(control, out)
+        if out.newton.arc_length and solver is not None:
+            ctx.refuse("<arc_length> in a dynamic analysis", _where(solver, "arc_length"))
     if ctx.model.module == "solute":  # FEBio's solver for one neutral solute has these as they are
         out.newton.positive = out.newton.diverge_reform = True
     out.saving = _saving(control)
@@ -124,7 +126,7 @@ def _auto(ctx: Context, c: Component, out: Step) -> AutoStep:
         dtmin=_number(c, "dtmin", 0.0, least=0.0), dtmax=0.0 if curved else _number(c, "dtmax", 0.1, least=0.0),
         aggressive=c.bool("aggressiveness"), cutback=_number(c, "cutback", 0.5, above=0.0), force=c.bool("dtforce"),
     )  # fmt: skip
-    for tag, value, least in (("max_retries", a.max_retries, 0), ("opt_iter", a.optimal_iterations, 1)):
+    for tag, value, least in (("max_retries", a.max_retries, 0), ("opt_iter", a.optimal_iterations, 0)):
         if value < least:
             raise InputError(f"<{tag}> must be at least {least}, not {value}", _where(c, tag))
     if leaf is not None and leaf.lc is not None:
@@ -180,10 +182,7 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     ctx.check_tags(c, SOLVER)
     if c.type not in (None, "solid", "solid_old", "biphasic", "solute", "multiphasic"):
         ctx.refuse(f'<solver type="{c.type}">', c.where)
-    for tag in ("arc_length", "logSolve"):
-        leaf = c.child(tag)
-        if leaf is not None and leaf.text.strip().lower() not in ("", "0", "none", "false"):
-            ctx.refuse(f"<{tag}>", leaf.where)
+    _path(ctx, c, o)
     bounded = ranges.of("(solver)")  # by 0, all of them
     for tag, name in NUMBERS.items():
         setattr(o, name, _number(c, tag, getattr(o, name), least=0.0 if tag in bounded else -math.inf))
@@ -200,6 +199,18 @@ def _newton(ctx: Context, c: Component | None) -> NewtonOptions:
     if qn is not None:
         _quasi_newton(ctx, qn, o)
     return o
+
+
+def _path(ctx: Context, c: Component, o: NewtonOptions) -> None:
+    """Arc length, and the logarithm of residuals: FEBio's solver for solids has them."""
+    o.arc_length = c.choice("arc_length", {"": False, "0": False, "none": False, "1": True, "crisfield": True}, False)
+    o.arc_length_scale = _number(c, "arc_length_scale", 0.0, least=0.0)
+    o.logarithmic = c.bool("logSolve")
+    for tag, on in (("arc_length", o.arc_length), ("logSolve", o.logarithmic)):
+        if on and (ctx.model.module != "solid" or c.type not in (None, "solid")):
+            ctx.refuse(f'<{tag}> outside of <Module type="solid">', _where(c, tag))
+    if o.arc_length and o.logarithmic:
+        ctx.refuse("<logSolve> with <arc_length>", _where(c, "logSolve"))
 
 
 def _quasi_newton(ctx: Context, c: Component, o: NewtonOptions) -> None:

@@ -126,6 +126,9 @@ ELEMENTS: dict[str, ElementType] = _table("""
 """)
 
 
+ALIASES = {"truss2": "line2"}  #: types under another name, by which plotfiles and meshio know them
+
+
 def of_dimension(dim: int) -> tuple[str, ...]:
     """Names of the types of solids (3), facets (2) or lines (1)."""
     return tuple(n for n, e in ELEMENTS.items() if e.dim == dim)

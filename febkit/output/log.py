@@ -98,6 +98,9 @@ class LogListener(Listener):
         self._flush_in_time()
 
     def converged(self, run: Run, counts: Counts) -> None:
+        arc = run.newton.arc
+        if arc is not None:
+            self.write(f"\tarc-length factor    : {arc.factor:g}\n")
         self.write(
             f"\nconvergence summary\n    number of iterations   : {counts.iterations}\n"
             f"    number of reformations : {counts.factorisations}\n"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from febkit._version import __version__
 from febkit.model import Model
+from febkit.model.elements import ALIASES
 from febkit.model.species import solid_bound, solutes
 from febkit.results.variables import VARIABLES
 from febkit.results.xplt.records import PlotDomain, PlotMesh, PlotSurface, PlotVariable
@@ -39,7 +40,7 @@ def plot_mesh(model: Model) -> PlotMesh:
     for d in model.domains:
         b = model.mesh.block(d.block)
         name = d.block if d.kind == "solid" else None
-        domains.append(PlotDomain(b.type, ids.get(d.material, 0), name, b.ids, b.conn))
+        domains.append(PlotDomain(ALIASES.get(b.type, b.type), ids.get(d.material, 0), name, b.ids, b.conn))
     domains += _springs(model, len(model.materials))
     return PlotMesh(
         model.mesh.node_ids,

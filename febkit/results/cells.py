@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from febkit.model.elements import ELEMENTS
+from febkit.model.elements import ALIASES, ELEMENTS
 
 _PLOTTED = {n: e for n, e in ELEMENTS.items() if e.code is not None}
-MESHIO: dict[str, str] = {n: e.meshio for n, e in _PLOTTED.items()}  # FEBio -> meshio
+MESHIO: dict[str, str] = {n: ELEMENTS[ALIASES.get(n, n)].meshio for n in (*_PLOTTED, *ALIASES)}  # FEBio -> meshio
 KEPT: dict[str, int] = {n: e.kept for n, e in _PLOTTED.items() if not e.whole}  # nodes that meshio's type can hold
 
 # FEBio numbers the face nodes of a 27-node hexahedron -y +x +y -x -z +z, VTK -x +x -y +y -z +z
