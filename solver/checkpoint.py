@@ -23,7 +23,7 @@ class Unfit(RuntimeError):
 
 def refusal(p: Problem) -> str:
     """Why no checkpoints are taken; empty where they are."""
-    return "checkpoints do not follow erosion" if any(s.adaptors for s in [p.common, *p.steps]) else ""
+    return "checkpoints do not follow meshes that change" if any(s.adaptors for s in [p.common, *p.steps]) else ""
 
 
 def taken(run: Run) -> dict[str, Any]:

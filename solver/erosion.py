@@ -4,13 +4,14 @@ solved once more without them. FEBio User Manual, "Mesh adaptor", erosion.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .criteria import Criterion, behind, selected
 from .group import Impossible
 from .order import introsorted
 from .pattern import FREE, INACTIVE
@@ -18,134 +19,11 @@ from .pattern import FREE, INACTIVE
 if TYPE_CHECKING:
     from .contact.surface import Facets
     from .group import Group
-    from .state import State
     from .system import System
-    from .values import Value
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bare = tuple[str, list[int], tuple[int, int]]  # type of a facet, its nodes, block and element behind it
-Measure = Callable[["Group", "State"], "Floats | None"]  # values at the points (m, g); None: a group has none
-
-
-def von_mises(group: Group, state: State) -> Floats | None:
-    """sqrt(3/2 dev s : dev s)."""
-    s = _stress(group)
-    if s is None:
-        return None
-    d = s[..., :3] - s[..., [1, 2, 0]]
-    return np.asarray(np.sqrt(0.5 * (d * d).sum(axis=-1) + 3.0 * (s[..., 3:] ** 2).sum(axis=-1)))
-
-
-def largest_deviatoric(group: Group, state: State) -> Floats | None:
-    """The largest principal value of dev s."""
-    s = _stress(group)
-    if s is None:
-        return None
-    principal = np.linalg.eigvalsh(s[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*s.shape[:2], 3, 3))
-    return np.asarray(principal[..., 2] - principal.mean(axis=-1))
-
-
-def _stress(group: Group) -> Floats | None:
-    give = group.physics.outputs.get("stress")
-    return None if give is None or not group.deforms else give(group.physics)
-
-
-def relative_volume(group: Group, state: State) -> Floats | None:
-    """J."""
-    return group.J if group.deforms else None
-
-
-def damage(group: Group, state: State) -> Floats | None:
-    """Damage of the first solid of a law that loses its bonds, where there is one."""
-    from .solids.elastic_damage import ElasticDamage, UncoupledElasticDamage
-
-    laws = [q for q in group.block.solid.walk() if isinstance(q, (ElasticDamage, UncoupledElasticDamage))]
-    if not laws:
-        return None
-    return np.broadcast_to(laws[0].broken(group.points()), (group.m * group.g,)).reshape(group.m, group.g)
-
-
-def variable(column: int) -> Measure:
-    """An unknown, interpolated."""
-    return lambda group, state: np.einsum("ga,ea->eg", group.N, state.d[group.conn, column])
-
-
-def given(value: Value) -> Measure:
-    """A number in space and time."""
-
-    def measure(group: Group, state: State) -> Floats:
-        pts = group.points()
-        v = value(state.time, pts.X, pts.e)
-        return np.broadcast_to(v, (group.m * group.g,)).reshape(group.m, group.g)
-
-    return measure
-
-
-MEASURES: dict[str, Measure] = {
-    "von Mises stress": von_mises, "largest deviatoric stress": largest_deviatoric,
-    "relative volume": relative_volume, "damage": damage,
-}  # fmt: skip
-
-
-@dataclass(eq=False)
-class Range:
-    """Elements whose mean of a measure lies in [least, most]; ``clamp``: all, their values cut to it."""
-
-    measure: Measure
-    least: float = -1e37
-    most: float = 1e37
-    clamp: bool = True
-
-    def __call__(self, group: Group, system: System) -> tuple[NDArray[np.bool_], Floats]:
-        """Which elements (m,) are selected, and their values."""
-        points = self.measure(group, system.state)
-        if points is None:
-            return np.zeros(group.m, bool), np.zeros(group.m)
-        v = np.asarray(sum(points.T)) / group.g  # one after another, as FEBio adds: a damage of 1 may be a limit
-        if self.clamp:
-            return np.ones(group.m, bool), np.clip(v, self.least, self.most)
-        return (self.least <= v) & (v <= self.most), v
-
-
-@dataclass(eq=False)
-class Listed:
-    """Elements by their ids."""
-
-    ids: Ints
-
-    def __call__(self, group: Group, system: System) -> tuple[NDArray[np.bool_], Floats]:
-        return np.isin(group.block.ids, self.ids), np.ones(group.m)
-
-
-@dataclass(eq=False)
-class Overlap:
-    """Elements behind facets of primary surfaces in contact where some point overlaps by more than ``gap``."""
-
-    gap: float
-
-    def __call__(self, group: Group, system: System) -> tuple[NDArray[np.bool_], Floats]:
-        chosen, value = np.zeros(group.m, bool), np.zeros(group.m)
-        for contact in system.contacts:
-            side = contact.sides[0]
-            gaps = contact.values(side, "gap", system.state)
-            if gaps is None:
-                continue
-            most = np.full(len(side.conn), -np.inf)
-            np.maximum.at(most, side.facet, gaps)
-            for f in np.flatnonzero(most > self.gap):
-                own = behind(group, side.conn[f, : side.count[f]])
-                chosen |= own
-                value[own] = most[f]
-        return chosen, value
-
-
-Criterion = Callable[["Group", "System"], "tuple[NDArray[np.bool_], Floats]"]
-
-
-def behind(group: Group, facet: Ints) -> NDArray[np.bool_]:
-    """Elements (m,) that have all nodes of a facet."""
-    return np.asarray((group.conn[:, :, None] == facet).any(axis=1).all(axis=1))
 
 
 @dataclass(eq=False)
@@ -177,6 +55,10 @@ class Erosion:
         self.changed += erode_surfaces(system, self.grow)
         return True
 
+    def begin(self) -> None:
+        """A time step begins."""
+        self.changed.clear()
+
     def give_back(self, system: System) -> None:
         """Surfaces are what they were before the step."""
         for contact, *surfaces in reversed(self.changed):
@@ -186,8 +68,7 @@ class Erosion:
 
     def _chosen(self, system: System) -> NDArray[np.bool_]:
         """The elements to take, of all groups one after another."""
-        found = [self._of(g, system) for g in system.groups]
-        chosen, value = (np.concatenate(a) for a in zip(*found))
+        chosen, value = selected(self.criterion, self.elements, system)
         rows = np.flatnonzero(chosen)
         if self.most > 0:
             if self.order:
@@ -196,15 +77,6 @@ class Erosion:
         out = np.zeros(len(chosen), bool)
         out[rows] = True
         return out
-
-    def _of(self, group: Group, system: System) -> tuple[NDArray[np.bool_], Floats]:
-        chosen, value = self.criterion(group, system)
-        chosen = chosen & group.alive
-        if self.elements is not None:
-            own = np.zeros(group.m, bool)
-            own[self.elements.get(group.block.name, np.zeros(0, np.int64))] = True
-            chosen &= own
-        return chosen, value
 
 
 def remove_islands(system: System) -> None:

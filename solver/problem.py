@@ -188,7 +188,7 @@ class Step:
     connectors: list[Connector] = field(default_factory=list)
     constraints: list[LinearConstraint] = field(default_factory=list)
     contacts: list[Any] = field(default_factory=list)  # see contact.base
-    adaptors: list[Any] = field(default_factory=list)  # see erosion
+    adaptors: list[Any] = field(default_factory=list)  # see erosion, refine
     explicit: Any = None  # central differences instead of equilibrium: see explicit
     again: bool = True  # a time step is solved again once adaptors changed the mesh [adaptor_re_solve]
 
@@ -206,7 +206,8 @@ class Problem:
     """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step.
 
     Conditions on rigid body i name the rows len(X) + 2 i (displacement of the centre) and the next (rotation vector).
-    ``fields``: the nodal fields where the blocks alone do not say them.
+    ``fields``: the nodal fields where the blocks alone do not say them. ``origin``: what it was made of, for
+    listeners; the solver knows nothing of it.
     """
 
     X: Floats
@@ -216,6 +217,7 @@ class Problem:
     node_ids: Ints | None = None
     bodies: list[RigidBody] = field(default_factory=list)
     fields: Layout | None = None
+    origin: Any = None
 
     def __post_init__(self) -> None:
         self.X = np.ascontiguousarray(self.X, dtype=float)

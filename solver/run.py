@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from .fields import DISPLACEMENT, Floats, Layout
 from .finite import NotFinite, check_parameters, check_state
 from .graph import Graph, MakeGraph
 from .group import ElementFailure, Group, Impossible
+from .guarded import Guarded
 from .linear.base import LinearError, Stalled
 from .newton import EASY, Counts, Iteration, Newton, NotConverged, Strategy
 from .options import Options
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .erosion import Erosion
+    from .refine import Change, Refinement
     from .rigid.bodies import Bodies
 
 
@@ -54,6 +56,8 @@ class Listener:
     def converged(self, run: Run, counts: Counts) -> None: ...
 
     def failed(self, run: Run, reason: str, again: float | None) -> None: ...
+
+    def remeshed(self, run: Run) -> None: ...  # the run has another problem and state from here on
 
     def save(self, run: Run, status: int) -> None: ...
 
@@ -147,14 +151,7 @@ class Run:
         return result
 
     def _set_up(self) -> None:
-        size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
-        self.groups = [_group(b, self.problem.X, size, self.state.layout) for b in self.problem.blocks]
-        for g in self.groups:
-            check_parameters(g.block, g.points(), steady=True)
-        self.schedule = Schedule(self.groups, self.team)
-        if self.options.stabilise:
-            for g in self.groups:
-                g.physics.stabilise(self.options.stabilise)
+        self._make_groups()
         if self.problem.bodies:
             if self.options.linear == "iterative":
                 raise ValueError("multigrid knows nothing of the unknowns of rigid bodies: take another linear solver")
@@ -170,6 +167,16 @@ class Run:
             self.tell("warning", message)
         if self.resumed is None and len(self.problem.steps) == 1:
             self._first_state()
+
+    def _make_groups(self) -> None:
+        size = chunk_size(sum(len(b.conn) for b in self.problem.blocks), self.team.n)
+        self.groups = [_group(b, self.problem.X, size, self.state.layout) for b in self.problem.blocks]
+        for g in self.groups:
+            check_parameters(g.block, g.points(), steady=True)
+        self.schedule = Schedule(self.groups, self.team)
+        if self.options.stabilise:
+            for g in self.groups:
+                g.physics.stabilise(self.options.stabilise)
 
     def _initial(self, step: Step) -> None:
         s = self.state
@@ -320,7 +327,7 @@ class Run:
     def _time_step(self) -> str:
         s, step = self.state, self.stepper
         assert step is not None and self.system is not None
-        before = StepState([s, *self.groups, *self.system.acting, self.newton])
+        before, whole = StepState([s, *self.groups, *self.system.acting, self.newton]), self._whole()
         how = self.newton.usual
         if self.integrator is not None:
             self.integrator.begin()
@@ -336,7 +343,7 @@ class Run:
                 counts, why = self.newton.count, str(e)
                 self._add(counts)
                 self.totals.lost += counts.iterations
-                self._give_back(before)
+                self._give_back(before, whole)
                 newton = self.newton
                 if how.stale:  # once more with tangents of its own, in all stages, before the step is cut
                     how = newton.fresh
@@ -351,7 +358,7 @@ class Run:
                 continue
             self._add(counts)
             if not good:
-                self._give_back(before)
+                self._give_back(before, whole)
                 self.totals.retries += 1
                 self.totals.lost += counts.iterations
                 again = None if step.vanishing else step.dt
@@ -361,10 +368,11 @@ class Run:
                 continue
             self.count += 1
             self.totals.steps += 1
-            self.totals.guarded += how is self.newton.guarded
+            self.totals.guarded += isinstance(how, Guarded)
             self.tell("converged", counts)
             self._save("major")
             # more iterations with an old factorisation are no sign of a step that is too large
+            s = self.state
             step.accept(s.time, min(counts.iterations, EASY) if how.stale else counts.iterations)
             if step.vanishing and step.end > s.time:
                 return f"the time step has shrunk to {step.dt:g}, at time {s.time:g}"
@@ -387,10 +395,10 @@ class Run:
         """
         step = self.stepper
         assert step is not None
-        if step.beyond and how is not newton.guarded:
+        if step.beyond and not isinstance(how, Guarded):
             return newton.guarded
         if step.retry():
-            return newton.guarded if how is newton.guarded else newton.fresh
+            return newton.guarded if isinstance(how, Guarded) else newton.fresh
         turned = isinstance(e, ElementFailure) and newton.arc is None
         return newton.guarded if turned and step.persist() else None
 
@@ -406,34 +414,58 @@ class Run:
         """Solve the step to the present time; was its error small enough?"""
         if self.integrator is None:
             self._prepare()
-            return self._adapt(self.newton.step(how)), True
+            return self._adapt(self.newton.step(how), isinstance(how, Guarded)), True
         s, dt = self.state, self.state.dt
         s.time -= dt
         counts, error = self.integrator.solve(dt, self._prepare, how)
         assert isinstance(self.stepper, ErrorSteps)
         return counts, self.stepper.judge(error)
 
-    def _adapt(self, counts: Counts) -> Counts:
-        """Have adaptors take elements away, and solve the step again from where it came, until they take no more."""
+    def _adapt(self, counts: Counts, guarded: bool) -> Counts:
+        """Have adaptors change the mesh, and solve the step again from where it came, until they change no more.
+
+        Returns the counts of the last solve, by which the next step is sized. ``guarded``: by guarded Newton steps, as
+        it was solved.
+        """
         done, system = 0, self.system
         assert system is not None
         for a in self._adaptors:
-            a.changed.clear()
-        while any([a.apply(done, system) for a in self._adaptors]):  # noqa: C419 (all of them)
+            a.begin()
+        while any(changes := [a.apply(done, system) for a in self._adaptors]):
             done += 1
+            for change in changes:
+                if change and change is not True:
+                    self._remesh(change)
             self._reopen()
             if not self.step.again:
                 break
             assert self.system is not None
             system = self.system
             self._prepare()
-            more = self.newton.step()
-            counts = replace(counts, **{k: v + getattr(counts, k) for k, v in asdict(more).items()})
+            self._add(counts)
+            counts = self.newton.step(self.newton.guarded if guarded else None)
         return counts
 
     @property
-    def _adaptors(self) -> list[Erosion]:
+    def _adaptors(self) -> list[Erosion | Refinement]:
         return [*self.problem.common.adaptors, *self.step.adaptors]
+
+    def _remesh(self, change: Change) -> None:
+        """Go on with the problem on another mesh, whose elements begin at the deformation that the nodes have."""
+        self.problem, self.state = change.problem, change.carry(self.state)
+        self._make_groups()
+        for g in self.groups:
+            g.physics.start(self.state)
+        self._strain()
+        for g in self.groups:
+            g.set_history(g.old)  # laws remember nothing, as in FEBio, of the way there either
+        self._begin(self.problem.common)
+        self._begin(self.step)
+        self.tell("remeshed")
+
+    def _whole(self) -> tuple[Problem, State, list[Group]]:
+        """What a change of the mesh replaces."""
+        return self.problem, self.state, self.groups
 
     def _reopen(self) -> None:
         """Solve for the elements that there are now."""
@@ -441,15 +473,19 @@ class Run:
         self.schedule = Schedule(self.groups, self.team)
         self._open()
 
-    def _give_back(self, before: StepState) -> None:
-        """All is as it was before the step."""
+    def _give_back(self, before: StepState, whole: tuple[Problem, State, list[Group]]) -> None:
+        """All is as it was before the step, the mesh too."""
         adaptors = self._adaptors
         for a in adaptors:
             assert self.system is not None
             a.give_back(self.system)
+        remeshed = self.problem is not whole[0]
+        self.problem, self.state, self.groups = whole
         before.restore()
         if adaptors:
             self._reopen()
+        if remeshed:
+            self.tell("remeshed")
 
     def _prepare(self) -> None:
         """The present state becomes the last converged one (FEBio's PrepStep)."""

@@ -34,7 +34,7 @@ def refusal(problem: Problem) -> str:
     if not problem.diffuses or any(s.analysis != TRANSIENT for s in problem.steps):
         return "steps of second order are for transient analyses of biphasic models and of those with solutes"
     if any(s.adaptors for s in [problem.common, *problem.steps]):
-        return "steps of second order do not follow erosion"
+        return "steps of second order do not follow meshes that change"
     if any(s.explicit for s in problem.steps):
         return "steps of second order are for implicit analyses"
     if problem.bodies:

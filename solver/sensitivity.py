@@ -47,7 +47,7 @@ def refusal(problem: Problem) -> str:
     if any(s.explicit for s in steps):
         return "the analysis is explicit"
     if any(s.adaptors for s in steps):
-        return "elements are taken away"
+        return "the mesh changes"
     if any(s.newton.arc_length for s in steps):
         return "the loads follow an arc length"
     for a in (c for s in steps for c in s.contacts if not c.retraces):

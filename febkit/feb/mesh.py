@@ -167,7 +167,7 @@ class MeshReader:
 
     def __init__(self, section: Tag) -> None:
         self.section = section
-        self.out: dict[str, dict[str, Any]] = {k: {} for k in (
+        self.out: dict[str, Any] = {k: {} for k in (
             "node_sets", "surfaces", "edges", "element_sets", "discrete_sets", "surface_pairs",
             "part_lists", "node_blocks")}
         self.blocks: list[ElementBlock] = []

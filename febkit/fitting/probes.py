@@ -151,9 +151,16 @@ class Follow(Listener):
         self.rows: list[list[float]] = []
 
     def start(self, run: Run) -> None:
+        self._bind(run)
+        self._note()
+
+    def remeshed(self, run: Run) -> None:
+        self.model = run.problem.origin
+        self._bind(run)
+
+    def _bind(self, run: Run) -> None:
         self._view = View(run, self.model, plot_mesh(self.model))
         self._read = [p.bind(self._view) for p in self.probes]
-        self._note()
 
     def converged(self, run: Run, counts: Counts) -> None:
         self._view.renew()

@@ -35,6 +35,10 @@ CONSTRAINTS = {  # type -> module here that reads it
     "tied-line": "lines",
     "slide-line": "lines",
 }
+ADAPTORS = {  # type -> module here and function that reads it
+    "erosion": ("adaptors", "erosion"),
+    **dict.fromkeys(("hex_refine", "hex_refine2d", "tet_refine", "test_refine"), ("refinement", "refinement")),
+}
 
 
 def lower(model: Model) -> Problem:
@@ -77,6 +81,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
     ctx.numbers, ctx.made = {b.name: k for k, b in enumerate(blocks)}, blocks
     ctx.common = common = Step()
     _fill(ctx, common, model.common)
+    if model.mesh.hanging:
+        from .refinement import hanging
+
+        common.constraints += hanging(model.mesh, ctx.layout)
     if model.discrete:
         from . import ties
 
@@ -101,9 +109,10 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
 
         beams.check(ctx, blocks, common, steps)
     if any(s.adaptors for s in (common, *steps)) and not ctx.refused:
-        from . import adaptors
+        from . import adaptors, refinement
 
         adaptors.owners(ctx, [common, *steps])
+        refinement.check(ctx, blocks, common, steps)
     if any(s.explicit for s in steps):
         _explicit(ctx, blocks, common, steps)
     _midpoint(ctx, blocks, steps)
@@ -114,7 +123,7 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         raise InputError("the model has no elements to solve for", Where(model.file))
     if ctx.refused:
         return None, ctx.refused
-    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies, ctx.layout), []
+    return Problem(ctx.X, blocks, steps, common, model.mesh.node_ids, bodies, ctx.layout, model), []
 
 
 def _layout(model: Model, blocks: list[Block]) -> Layout:
@@ -186,7 +195,7 @@ def _whole_sections(ctx: Context) -> None:
         ctx.refuse(f'<Module type="{m.module}">', m.module_spec.where if m.module_spec else None)
     for step in (m.common, *m.steps):
         for c in step.adaptors:
-            if c.type != "erosion":
+            if c.type not in ADAPTORS:
                 ctx.refuse(f'<{c.tag} type="{c.type}">', c.where)
         for c in step.constraints:
             if c.type not in CONSTRAINTS:
@@ -231,10 +240,9 @@ def _fill(ctx: Context, out: Step, spec: ModelStep) -> None:
 
             ties.condition(ctx, out, c)
     for c in spec.adaptors:
-        if c.type == "erosion":
-            from . import adaptors
-
-            out.adaptors.append(adaptors.erosion(ctx, c))
+        if c.type in ADAPTORS:
+            module, read = ADAPTORS[c.type]
+            out.adaptors.append(getattr(import_module(f".{module}", __name__), read)(ctx, c))
     if spec.contact:
         from .contact import contacts
 

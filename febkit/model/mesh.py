@@ -86,6 +86,7 @@ class Mesh:
     surface_pairs: Mapping[str, SurfacePair] = field(default_factory=dict)
     part_lists: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     node_blocks: Mapping[str, Ints] = field(default_factory=dict)  # named <Nodes> groups -> node indices
+    hanging: Mapping[int, tuple[int, ...]] = field(default_factory=dict)  # node -> corners whose mean it is
 
     def block(self, name: str) -> ElementBlock:
         for b in self.blocks:

@@ -11,7 +11,7 @@ it is of materials of second order, which have gradients of strains: 2O microflu
   elastic; periodic boundary2O
 FEBio makes it itself, between the sides of representative volumes: periodic boundary1O
 its fibers lie on spheres that FEBio meshes anew by their density: fiberODF
-it meshes the model anew: hex_refine; hex_refine2d; mmg_remesh; test_refine; tet_refine
+it meshes the model anew by a library that febkit does not have: mmg_remesh
 it reads an image: image map
 it acts within a radius that FEBio 4.11 never sets, but for its plugins: sbm point source; solute point source
 febkit has no contact over cut facets; sliding-elastic and tied-elastic serve the same ends: mortar-sliding; mortar-tied
@@ -20,7 +20,6 @@ febkit has no contact of edges: edge-to-surface contact potential; edge-to-surfa
 leave the solver's type out for Newton's method, which may find another equilibrium: CG-solid; cgmethod; preconditioner
 it makes where a step ended the reference, which febkit keeps throughout: prestrain
 the older form of sliding-biphasic, which serves the same end: sliding2
-it says how much a mesh must be refined: relative error
 febkit takes the usual integration of the element: sri-solid; udg-hex
 no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;
   pressure_stabilization; surface attraction; sliding-biphasic-mixed; element data; defgrad;

@@ -32,9 +32,9 @@ class Solution:
     """
 
     def __init__(
-        self, result: Result, dataset: xr.Dataset | None, sensitivity: Sensitivity | None = None,
+        self, result: Result, datasets: Sequence[xr.Dataset], sensitivity: Sensitivity | None = None,
     ) -> None:  # fmt: skip
-        self.result, self._dataset, self._asked = result, dataset, sensitivity
+        self.result, self._datasets, self._asked = result, list(datasets), sensitivity
         self._sensitivity: xr.Dataset | None = None
 
     @property
@@ -63,10 +63,17 @@ class Solution:
 
     @property
     def dataset(self) -> xr.Dataset:
-        """The same xarray.Dataset as from a plotfile of the run."""
-        if self._dataset is None:
+        """The same xarray.Dataset as from a plotfile of the run. Raises InputError where adaptors changed the mesh."""
+        if not self._datasets:
             raise InputError("nothing was kept of this run: no state was solved")
-        return self._dataset
+        if len(self._datasets) > 1:
+            raise InputError("the mesh changed during the run: take .datasets, one for each mesh")
+        return self._datasets[0]
+
+    @property
+    def datasets(self) -> list[xr.Dataset]:
+        """One dataset for each mesh of the run, in order of time: several where adaptors refined it."""
+        return self._datasets
 
     @property
     def sensitivity(self) -> xr.Dataset:
@@ -110,7 +117,7 @@ def solve(
     paths of parameters by which results are differentiated, to ``sensitivity_tolerance`` in each step; ``of``: what
     makes of records models that can be edited. Other options are those of :func:`febkit.solve`.
     """
-    from febkit.results import open as open_results
+    from febkit.results import open_all
     from febkit.solving import solve as run
 
     if variables is not None:
@@ -130,13 +137,15 @@ def solve(
         options["graph"] = again.graphs
     if plotfile is not None:
         result = run(model, plotfile, **options)
-        return Solution(result, picked(open_results(plotfile), at) if Path(plotfile).is_file() else None, asked)
+        every = open_all(plotfile) if Path(plotfile).is_file() else []
+        return Solution(result, [picked(ds, at) for ds in every], asked)
     from febkit.files import Buffer
-    from febkit.results import held
+    from febkit.results import held_all
 
     buffer = Buffer()
     result = run(model, buffer, **options)
-    return Solution(result, picked(held(buffer.data), at).load() if buffer.data else None, asked)
+    every = held_all(buffer.data) if buffer.data else []
+    return Solution(result, [picked(ds, at).load() for ds in every], asked)
 
 
 def picked(ds: xr.Dataset, at: Sequence[float] | None) -> xr.Dataset:

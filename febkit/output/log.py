@@ -81,6 +81,10 @@ class LogListener(Listener):
         if not self.output.replaces:
             self.output.place()
 
+    def remeshed(self, run: Run) -> None:
+        nodes, elements = len(run.problem.X), sum(g.m for g in run.groups)
+        self.write(f"\n Mesh Statistics:\n \tNumber of nodes    : {nodes}\n \tNumber of elements : {elements}\n\n")
+
     def begin_step(self, run: Run, number: int, time: float) -> None:
         self.write(f"\n===== beginning time step {number} : {time:.8g} =====\n")
         self._flush_in_time()

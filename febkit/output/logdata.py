@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,18 @@ class LogDataListener(Listener):
         self.model, self.paths, self.warn, self._marks = model, paths, warn, list(marks)
         self._open: list[_Record] = []
         self.view: View | None = None
+
+    def remeshed(self, run: Run) -> None:
+        """Records go on about the items that they began with, as in FEBio."""
+        self.model = run.problem.origin
+        self.view = view = View(run, self.model, plot_mesh(self.model))
+        for k, r in enumerate(self._open):
+            kind = records.load(r.entry.kind)
+            assert kind is not None
+            ids, rows = kind.rows(view, replace(r.entry, set=None, items=()))
+            at = {int(i): int(row) for i, row in zip(ids, rows)}
+            columns = [kind.column(view, x, r.entry) for x in r.data.split(";")]
+            self._open[k] = replace(r, columns=columns, rows=np.array([at[int(i)] for i in r.ids], np.int64))
 
     def start(self, run: Run) -> None:
         self.view = View(run, self.model, plot_mesh(self.model))

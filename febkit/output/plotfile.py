@@ -112,6 +112,7 @@ class PlotListener(Listener):
         )  # fmt: skip
         self.states = 0
         self.view: plot.View | None = None
+        self._meant = self._written = model.mesh  # the mesh of the next state, and that of the file's last section
 
     def _variable(self, asked: Asked) -> PlotVariable | None:
         """The record of a variable; arrays over solutes and solid-bound molecules have the names of these."""
@@ -128,7 +129,14 @@ class PlotListener(Listener):
         )
         return replace(known, name=asked.label, n=len(names), array_names=names)
 
+    def remeshed(self, run: Run) -> None:
+        self.model = run.problem.origin
+        self._meant, self.view = self.model.mesh, None
+
     def save(self, run: Run, status: int) -> None:
+        if self._meant is not self._written:
+            self.mesh, self._written = plot_mesh(self.model), self._meant
+            self.writer.mesh(self.mesh)
         if self.view is None:
             self.view = plot.View(run, self.model, self.mesh)
         self.write(run, self.values(self.view), status)

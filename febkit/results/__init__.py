@@ -57,15 +57,28 @@ def _opened(path: Path, chunks: Any, mesh: int | None, apart: bool) -> xr.Datase
 
 
 def held(data: bytes | bytearray) -> xr.Dataset:
-    """The dataset of a plotfile's bytes."""
+    """The dataset of a plotfile's bytes. Raises InputError where its mesh changes."""
+    every = held_all(data)
+    if len(every) > 1:
+        from febkit.model import InputError
+
+        raise InputError(f"the mesh changes {len(every) - 1} times: there is no one dataset of all states")
+    return every[0]
+
+
+def held_all(data: bytes | bytearray) -> list[xr.Dataset]:
+    """One dataset for each mesh of a plotfile's bytes, in order of time."""
     from . import accessor  # noqa: F401
+    from .backend import used_meshes
     from .dataset import build
     from .xplt.reader import PlotFile
     from .xplt.source import Held
 
-    ds = build(PlotFile(Held(data)))
-    ds.encoding.pop("source")
-    return ds
+    f = PlotFile(Held(data))
+    every = [build(f, mesh) for mesh in used_meshes(f) or [0]]
+    for ds in every:
+        ds.encoding.pop("source")
+    return every
 
 
 def open_all(path: Path, *, apart: bool = False) -> list[xr.Dataset]:

@@ -12,7 +12,8 @@ from febkit.lower import unsupported
 from febkit.model import InputError
 from febkit.solver import physics
 from febkit.solver.contact.surface import Facets
-from febkit.solver.erosion import MEASURES, Erosion, Listed, Range, left
+from febkit.solver.criteria import MEASURES, Listed, Range
+from febkit.solver.erosion import Erosion, left
 from febkit.solver.loads.base import patches
 from febkit.solver.loads.pressure import Pressure
 from febkit.solver.order import introsorted
@@ -184,7 +185,8 @@ STRESS = ('<criterion type="min-max filter"><min>0.1</min><clamp>0</clamp><data 
     (STRESS, ""),
     ('<max_iters>2</max_iters><max_elems>3</max_elems><sort>2</sort><criterion type="damage"/>', ""),
     ('<criterion type="element_selection"><element_list>1</element_list></criterion>', ""),
-    ('<criterion type="relative error"/>', 'criterion type="relative error"'),
+    ('<criterion type="element data"/>', 'criterion type="element data"'),
+    ('<criterion type="relative error"><data type="relative volume"/></criterion>', ""),
     ('<criterion type="min-max filter"><data type="spring force"/></criterion>', 'data type="spring force"'),
     (STRESS + "<erode_surfaces>reconstruct</erode_surfaces>", "reconstruct"),
 ])  # fmt: skip
@@ -196,8 +198,8 @@ def test_adaptors_are_read(tmp_path: Path, inside: str, says: str) -> None:
         assert erosion.rounds in (-1, 2)
 
 
-def test_adaptors_that_refine_are_refused(tmp_path: Path) -> None:
-    found = unsupported(cube.read(tmp_path, cube.text(SOLID, more=adaptor("", "hex_refine"))))
-    assert ['<mesh_adaptor type="hex_refine">' in str(e) for e in found] == [True]
+def test_adaptors_that_mesh_anew_are_refused(tmp_path: Path) -> None:
+    found = unsupported(cube.read(tmp_path, cube.text(SOLID, more=adaptor("", "mmg_remesh"))))
+    assert ['<mesh_adaptor type="mmg_remesh">' in str(e) for e in found] == [True]
     with pytest.raises(InputError, match="criterion"):
         cube.problem(tmp_path, cube.text(SOLID, more=adaptor("")))
