@@ -82,8 +82,11 @@ def check(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]) ->
         if b.rule and b.rule != RULE.get(b.element, "")[4:]:
             ctx.refuse(f'the rule {b.rule} of part "{b.name}" {with_}', domain.where)
     for s, spec in zip((common, *steps), (model.common, *model.steps)):
+        where = spec.control.where if spec.control else None
         if s.explicit is not None:
-            ctx.refuse(f'<solver type="explicit-solid"> {with_}', spec.control.where if spec.control else None)
+            ctx.refuse(f'<solver type="explicit-solid"> {with_}', where)
+        if s.newton.arc_length:
+            ctx.refuse(f"<arc_length> {with_}", where)
 
 
 def _others(model: Model) -> Iterator[tuple[str, Any]]:

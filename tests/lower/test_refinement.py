@@ -153,6 +153,7 @@ def test_what_is_told(tmp_path: Path) -> None:
     (("</MeshAdaptor>", adaptor("erosion", ERROR) + "</MeshAdaptor>"), '<mesh_adaptor type="erosion">'),
     (('name="P1" mat="m1"/>', 'name="P1" mat="m1" type="ut4-solid"/>'), "ut4"),
     (('type="solid"><dtol>', 'type="explicit-solid"><dtol>'), "explicit-solid"),
+    (("<rtol>0</rtol>", "<rtol>0</rtol><arc_length>1</arc_length>"), "<arc_length>"),
 ])  # fmt: skip
 def test_what_stays_on_its_mesh_is_refused(tmp_path: Path, change: tuple[str, str], says: str) -> None:
     kind = "tet4" if "ut4" in says else "hex8"
