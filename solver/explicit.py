@@ -7,7 +7,7 @@ lumped by rows or by the diagonal (Hinton, Rock and Zienkiewicz, Earthq Eng Stru
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from .mass import elements
 from .newton import Counts, Newton, Strategy
 from .system import System
+
+if TYPE_CHECKING:
+    from .rigid import central
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +47,7 @@ def lumped(system: System, by_rows: bool) -> Floats:
 
 
 class Explicit(Newton):
-    """Time steps of one system; velocities start from rest, as in FEBio."""
+    """Time steps of one system; nodal velocities start from rest, as in FEBio."""
 
     def __init__(self, system: System, how: Central, *args: Any) -> None:
         super().__init__(system, *args)
@@ -54,6 +57,11 @@ class Explicit(Newton):
         self.mass = system.gather(mass)
         self.v = np.zeros_like(self.total)
         self.a: Floats | None = None
+        self.bodies: central.Central | None = None
+        if system.bodies is not None:
+            from .rigid import central
+
+            self.bodies = central.Central(system.bodies, system)
 
     def step(self, how: Strategy | None = None) -> Counts:
         """Take the present time step."""
@@ -64,18 +72,25 @@ class Explicit(Newton):
         self.v = self.v + 0.5 * s.dt * self.a
         self.increment, self.target = np.zeros_like(self.total), self._targets()
         u = s.dt * self.v
+        if self.bodies is not None:
+            self.bodies.place(u)
         self.move(u)
-        self.a = self._accelerations()
+        R = self.residual()
+        self.a = self._accelerations(R)
         self.v = self.how.damping * (self.v + 0.5 * s.dt * self.a)
+        if self.bodies is not None:
+            self.bodies.finish(R, self.v, self.a, self.how.damping, s.dt)
         self.total = self.total + u
         for values, into in ((self.v, s.velocity), (self.a, s.acceleration)):
             whole = np.zeros_like(s.d)
             system.spread(values, whole)
             into[:] = s.layout.u(whole)
+        if self.bodies is not None:
+            self.bodies.rates(s)
         return self.count
 
-    def _accelerations(self) -> Floats:
-        return np.asarray(np.where(self.mass > 0.0, self.residual() / np.where(self.mass > 0.0, self.mass, 1.0), 0.0))
+    def _accelerations(self, R: Floats) -> Floats:
+        return np.asarray(np.where(self.mass > 0.0, R / np.where(self.mass > 0.0, self.mass, 1.0), 0.0))
 
     def _start(self) -> Floats:
         """Accelerations where the step starts from."""
@@ -83,7 +98,10 @@ class Explicit(Newton):
         now = s.time
         s.time = now - s.dt
         self.system.update()
-        out = self._accelerations()
+        R = self.residual()
+        out = self._accelerations(R)
+        if self.bodies is not None:
+            self.bodies.start(R, self.v, out)
         s.time = now
         return out
 

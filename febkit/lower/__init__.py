@@ -136,6 +136,7 @@ def _layout(model: Model, blocks: list[Block]) -> Layout:
 
 def _explicit(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]) -> None:
     """Refuse what central differences do not follow here: all but solids and trusses under loads that stay."""
+    n = len(ctx.model.mesh.X)  # rows of rigid bodies follow
     for s, spec in zip(steps, ctx.model.steps):
         if s.explicit is None:
             continue
@@ -143,9 +144,11 @@ def _explicit(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]
         lines = {"linear truss"} if by_rows else set()
         other = [b.name for b in blocks if b.physics.name not in {"standard", *lines} or b.element.startswith("shell_")]
         found = {
-            "rigid bodies": bool(ctx.rigid), "contact": any(q.contacts for q in both),
+            "rigid connectors": any(q.connectors for q in both),
             "constraints": any(q.constraints for q in both), "adaptors": any(q.adaptors for q in both),
-            "an initial velocity (which FEBio passes over)": any(i.velocity for q in both for i in q.initial),
+            "an initial velocity (which FEBio passes over)": any(
+                i.velocity and min(i.nodes, default=n) < n for q in both for i in q.initial
+            ),
             "a body load that follows the motion": any(b.moves for q in both for b in q.body_loads),
             f"the elements of part {other[0] if other else ''!r}": bool(other),
         }  # fmt: skip
