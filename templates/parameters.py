@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from febkit.model import InputError, Where
+from febkit.model.values import near
 
 from .profile import Profile, anchored, profile
 
@@ -166,7 +167,7 @@ def chosen(parameters: Mapping[str, Parameter], sizes: Mapping[str, Mapping[str,
             if name == "size":
                 continue
             if name not in parameters:
-                raise InputError(f"'{name}' is no parameter of this template; "
-                                 f"known: {', '.join(parameters)}, size", where)
+                raise InputError(f"'{name}' is no parameter of this template"
+                                 + (near(name, parameters) or f"; known: {', '.join(parameters)}, size"), where)
             values[name] = parameters[name].checked(value, where)
     return values

@@ -92,9 +92,12 @@ def status(study: Path, overrides: tuple[str, ...]) -> None:
 def gather(study: Path, overrides: tuple[str, ...], output: Path | None) -> None:
     """All metrics that there are as one dataset (case, handoff, point, seed, variant, cell, time), place by place."""
     from febkit.study import write_results
+    from febkit.study.gather import require_results
 
     plan = _plan(study, overrides)
     path = output or plan.study.folder / "metrics.nc"
+    if output is None:
+        require_results(plan)  # else its folder may not be there
     check([path], [study, *(f for s in plan.steps().values() for f in s.files.values())])
     n = write_results(plan, path)
     printing.say(f"wrote {path}: {n} of {len(plan.metrics)} results")

@@ -14,7 +14,7 @@ from febkit.units import SYSTEMS
 from . import depth, models
 from .entries import Entries, load
 from .models import CASES, Case, Variant, Zone
-from .points import Point, Points, read_points
+from .points import CENTRE, Point, Points, read_points
 
 __all__ = ["CASES", "Method", "Point", "Resources", "Study", "read"]
 
@@ -153,6 +153,8 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     own = _folder(Entries(t, where), path)
     for o in overrides:
         _override(t, o)
+    if not t:
+        raise InputError("there is nothing in it; docs/howto/depths.md and examples/ show what a study may say", where)
     top, home = Entries(t, where), path.parent
     top.only(_TOP)
     shared, embedded = models.given(top, "model"), models.given(top, "embedded")
@@ -165,12 +167,15 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     coupling, background = _coupling(top.table("coupling"))
     published = not isinstance(top.given.get("cases"), Mapping) and loads[0].name != models.OWN
     points = read_points(top.table("points"), home)
+    methods = tuple(Method.parse(m, where) for m in top.listed("methods", ["1", "2"]))
+    if len({m.name for m in methods}) < len(methods):
+        raise InputError("a method is given twice", where)
     study = Study(
         file=path,
         folder=home / top.text("folder", "") if _told(overrides) else own,
         name=top.text("name", path.stem),
         loads=tuple(replace(c, embedded=models.located(c.embedded, "embedded", home, where)) for c in loads),
-        methods=tuple(Method.parse(m, where) for m in top.listed("methods", ["1", "2"])),
+        methods=methods,
         control=top.flag("control", published or "embedded" in t),
         points=points.rows,
         seeds=seeds,
@@ -191,10 +196,17 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
 
 
 def _deep(study: Study, points: Points, where: Where) -> Study:
-    """With depths and zones of the points, where something asks for them: a few points need no mesh to plan."""
-    if points.listed and not study.zones:
+    """With depths and zones of the points, where something asks for them; points outside the tissue are refused."""
+    plain = points.listed and not study.zones
+    if plain and points.rows == (CENTRE,) and all(models.central(t) for t in study.tissues.values()):
+        return study  # no mesh is needed to know that it is inside
+    columns = depth.columns(study.tissues, where)
+    if not points.said:
+        depth.check_centre(columns, where)
+    if plain:
+        depth.check_inside(points, columns, where)
         return study
-    at, depths = depth.placed(points, depth.columns(study.tissues, where), where)
+    at, depths = depth.placed(points, columns, where)
     zone_of = tuple(models.zone_at(study.zones, d, f"point {k + 1} ({', '.join(f'{c:g}' for c in at[k])})", where)
                     for k, d in enumerate(depths)) if study.zones else ()  # fmt: skip
     return replace(study, points=at, depths=depths, zone_of=zone_of)
@@ -205,13 +217,15 @@ def _checked(study: Study, where: Where) -> Study:
     one_each = {study.zone_of[k] if study.zones else 0: k for k in reversed(range(len(study.points)))}
     for k in one_each.values():
         for v in range(len(study.variants)):
-            cell = study.cells(k, v)
+            cell, zone = study.cells(k, v), study.zone(k)
+            others = [f"zones.{zone.name}"] if zone is not None and zone.cell else []
+            others += ["variants"] if len(study.variants) > 1 else []
             if "file" not in cell:
-                models.check(cell, "cell", where)
+                models.check(cell, "cell", where, *others)
             for c in range(len(study.loads)) if study.control else ():
                 control = study.controlled(c, k, v)
                 if "file" not in control:
-                    models.check(control, "embedded", where)
+                    models.check(control, "embedded", where, *others)
     return study
 
 

@@ -84,27 +84,54 @@ def placed(
         tall = high - low
         z = float(f"{high - third * tall:.12g}") if points.depths else third
         if not low - NEAR * tall <= z <= high + NEAR * tall:
-            raise InputError(
-                f"point {k + 1} ({x:g}, {y:g}, {z:g}) lies outside the tissue, which reaches from z = {low:g} to "
-                f"{high:g} there",
-                where,
-            )
+            raise InputError(_outside(k, (x, y, z), low, high), where)
         at.append((x, y, z))
         depths.append(float(np.clip(third if points.depths else (high - z) / tall, 0.0, 1.0)))
     return tuple(at), tuple(depths)
+
+
+def check_inside(points: Points, columns: Mapping[str, Column], where: Where) -> None:
+    """Raises InputError where a point lies outside the tissue of a case."""
+    for k, row in enumerate(points.rows):
+        for case, column in columns.items():
+            low, high = _found(column.heights(row[0], row[1]), case, k, row, where)
+            if not low - NEAR * (high - low) <= row[2] <= high + NEAR * (high - low):
+                raise InputError(_outside(k, row, low, high), where)
+
+
+def check_centre(columns: Mapping[str, Column], where: Where) -> None:
+    """Raises InputError where (0, 0, 0), taken for want of points, is not inside."""
+    for column in columns.values():
+        found = column.heights(0.0, 0.0)
+        if found is None or not found[0] < 0.0 < found[1]:
+            raise InputError(
+                "it is not said where the cells are, and (0, 0, 0) is not inside the tissue: say so in [points]", where
+            )
+
+
+def _outside(k: int, row: Point, low: float, high: float) -> str:
+    said = ", ".join(f"{c:g}" for c in row)
+    return f"point {k + 1} ({said}) lies outside the tissue, which reaches from z = {low:g} to {high:g} there"
+
+
+def _found(
+    heights: tuple[float, float] | None, case: str, k: int, row: Point, where: Where
+) -> tuple[float, float]:
+    if heights is None:
+        raise InputError(
+            f"point {k + 1} ({row[0]:g}, {row[1]:g}, {row[2]:g}) lies outside the tissue of case {case}: no part "
+            "of it is above or below",
+            where,
+        )
+    return heights
 
 
 def _one(
     heights: Mapping[str, tuple[float, float] | None], k: int, row: Point, where: Where
 ) -> tuple[float, float]:
     first: tuple[float, float] | None = None
-    for case, h in heights.items():
-        if h is None:
-            raise InputError(
-                f"point {k + 1} ({row[0]:g}, {row[1]:g}, {row[2]:g}) lies outside the tissue of case {case}: no part "
-                "of it is above or below",
-                where,
-            )
+    for case, one in heights.items():
+        h = _found(one, case, k, row, where)
         if first is not None and max(abs(h[0] - first[0]), abs(h[1] - first[1])) > 1e-6 * (
             first[1] - first[0]
         ):

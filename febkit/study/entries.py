@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from febkit.model import InputError, Where
+from febkit.model.values import near
 
 
 def load(path: Path, what: str) -> tuple[dict[str, Any], Where]:
@@ -34,7 +35,8 @@ class Entries:
         for key in self.given:
             if key not in known:
                 place = f"[{self.name}]" if self.name else self.what
-                raise InputError(f"unknown entry {key!r} in {place}; it may have {', '.join(known)}", self.where)
+                hint = near(key, known) or f"; it may have {', '.join(known)}"
+                raise InputError(f"unknown entry {key!r} in {place}{hint}", self.where)
 
     def refuse(self, key: str, must: str) -> InputError:
         of = f" of [{self.name}]" if self.name else ""

@@ -105,6 +105,13 @@ def results(plan: Plan, found: Found | None = None) -> xr.Dataset:
     return out
 
 
+def require_results(plan: Plan) -> None:
+    """Raises InputError where nothing of a study is measured."""
+    store = Store(plan.study.folder)
+    if not any(store.has(s.key) for s in plan.metrics.values()):
+        raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
+
+
 def write_results(plan: Plan, path: str | Path) -> int:
     """:func:`results` as a NetCDF file, place by place: no more than some results are in memory at once.
 
@@ -115,9 +122,8 @@ def write_results(plan: Plan, path: str | Path) -> int:
     from febkit.files import written
     from febkit.results.netcdf import unwritten
 
+    require_results(plan)
     found = Finished(plan)
-    if not found:
-        raise InputError(f"nothing of the study {plan.study.name!r} is measured yet; run it first")
     cells, places = found.survey()
     shape = _empty([found[p] for p in places], cells, coordinates(plan), held=False)
     head, bare = len(plan_dims(plan)), [str(v) for v in shape.data_vars]

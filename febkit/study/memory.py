@@ -39,7 +39,7 @@ class Stage:
     @property
     def said(self) -> str:
         r, n = self.resources, sum(s.kind == "solve" for s in self.steps.values())
-        if self.serial or not n:
+        if self.serial or not n or not self.unknowns:  # nothing was planned by the models
             return ""
         size = f"{self.unknowns:,} unknowns (about {solve_memory(self.unknowns):.2g} GB each)"
         return f"solves: {n} of up to {size}; workers: {r.workers}, of {r.memory:.2g} GB and {r.threads} thread(s)"

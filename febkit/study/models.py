@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from febkit.model import InputError, Where
+from febkit.model.values import near
 
 from .entries import Entries
 
@@ -79,7 +80,7 @@ def tissues(base: Table, cases: tuple[Case, ...], home: Path, where: Where) -> d
         table = dict(own) if "file" in own else {**base, **own}
         if "file" not in table:
             table = with_rows(table, home, where)
-            check(table, "tissue", where)
+            check(table, "tissue", where, *([f"cases.{c.name}"] if set(c.tissue) - {"case"} else []))
         out[c.name] = table
     return out
 
@@ -104,7 +105,7 @@ def located(t: Table, name: str, base: Path, where: Where) -> dict[str, Any]:
         if k in t and not (k == "template" and _built_in(t[k]) and not (base / t[k]).exists()):
             p = (base / t[k]).resolve()
             if not p.exists():
-                raise InputError(f"{p} does not exist", where)
+                raise InputError(_missing(k, name, t[k], p), where)
             if p.is_dir() != (k == "template"):
                 raise InputError(
                     f"{k} of [{name}] must be a {'folder' if k == 'template' else 'file'}: {p}", where
@@ -113,9 +114,20 @@ def located(t: Table, name: str, base: Path, where: Where) -> dict[str, Any]:
     return t
 
 
-def check(t: Table, name: str, where: Where) -> None:
-    """Raises InputError for parameters that the template does not have, or not so."""
-    values_of(template_of(t, name), t, Where(f"{where}: [{name}]"))
+def _missing(key: str, name: str, said: str, path: Path) -> str:
+    if key != "template":
+        return f"{key} of [{name}]: {path} does not exist"
+    from febkit.templates.template import BUILT_IN
+
+    hint = near(said, BUILT_IN) or f"; there are {', '.join(BUILT_IN)}"
+    return f"template of [{name}]: {said!r} is neither one of febkit's nor a folder here ({path}){hint}"
+
+
+def check(t: Table, name: str, where: Where, *others: str) -> None:
+    """Raises InputError for parameters that the template does not have, or not so; ``others`` are tables that the model
+    has them from beside its own."""
+    said = " with ".join(f"[{n}]" for n in (name, *others))
+    values_of(template_of(t, name), t, Where(f"{where}: {said}"))
 
 
 def _built_in(name: str) -> bool:
@@ -138,6 +150,11 @@ def values_of(template: Template, t: Table, where: Where) -> dict[str, Any]:
     """All its parameters, as the table has them."""
     own = {k: v for k, v in t.items() if k not in ("file", "results", "template")}
     return template.values([(own, where)])
+
+
+def central(t: Table) -> bool:
+    """Is it the study's own cube, with (0, 0, 0) in its middle?"""
+    return not {"file", "results", "template", "mesh_file"} & set(t)
 
 
 def control(cell: Table, own: Table) -> dict[str, Any]:
@@ -232,17 +249,19 @@ def variants(top: Entries) -> tuple[Variant, ...]:
         return (Variant(""),)
     if not cell:
         raise InputError("[variants] needs lists of parameters of [cell], as edge = [0.05, 0.1]", t.where)
-    length = len(next(iter(cell.values()))) if isinstance(next(iter(cell.values())), list) else 0
+    first, given = next(iter(cell.items()))
+    if not isinstance(given, list) or not given:
+        raise InputError(f"{first} of [variants] must be a list with an entry for each variant, not {given!r}", t.where)
+    length = len(given)
     for k, v in lists.items():
         if k == "seed":
             raise InputError("seed of [variants]: seeds are those of [cell], for all variants", t.where)
         if not isinstance(v, list) or not v or len(v) != length:
             raise InputError(
-                f"{k} of [variants] must be a list as long as {next(iter(cell))}, one entry for each variant, not "
+                f"{k} of [variants] must be a list as long as {first}, one entry for each variant, not "
                 f"{v!r}",
                 t.where,
             )
-    first = next(iter(cell))
     names = [str(n) for n in t.listed("names", [f"{first} {_short(v)}" for v in cell[first]])]
     if len(names) != length or len(set(names)) < length:
         raise InputError(f"names of [variants] must be {length} different ones", t.where)

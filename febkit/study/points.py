@@ -15,6 +15,7 @@ from febkit.model import InputError
 from .entries import Entries
 
 Point = tuple[float, float, float]
+CENTRE: Point = (0.0, 0.0, 0.0)
 WAYS = {
     "at": (),
     "file": (),
@@ -27,11 +28,13 @@ WAYS = {
 @dataclass(frozen=True, slots=True)
 class Points:
     """Points as the file says them; ``depths``: their third number is a normalised depth, 0 at the tissue's top
-    (largest z) and 1 at its bottom. ``listed``: named one by one, by ``at`` or ``file``."""
+    (largest z) and 1 at its bottom. ``listed``: named one by one, by ``at`` or ``file``. ``said``: not the centre
+    for want of others."""
 
     rows: tuple[Point, ...]
     depths: bool = False
     listed: bool = True
+    said: bool = True
 
 
 def read_points(t: Entries, base: Path) -> Points:
@@ -50,14 +53,16 @@ def read_points(t: Entries, base: Path) -> Points:
     if ways[0] == "file":
         rows, depths = _file(t, base, depths)
     elif ways[0] == "at":
-        rows = [point(r, f"point {k + 1}", t) for k, r in enumerate(t.listed("at", [[0.0, 0.0, 0.0]]))]
+        rows = [point(r, f"point {k + 1}", t) for k, r in enumerate(t.listed("at", [list(CENTRE)]))]
     elif ways[0] == "from":
         rows = _line(t)
     else:
         third = axis(t, ways[0], None)
         rows = [(x, y, z) for x, y, z in product(axis(t, "x", 0.0), axis(t, "y", 0.0), third)]
     if len(set(rows)) < len(rows):
-        raise InputError("a point is given twice", t.where)
+        k, twice = next((k, p) for k, p in enumerate(rows) if p in rows[:k])
+        said = ", ".join(f"{c:g}" for c in twice)
+        raise InputError(f"a point is given twice: points {rows.index(twice) + 1} and {k + 1} are ({said})", t.where)
     for x, y, d in rows if depths else ():
         if not 0 <= d <= 1:
             raise InputError(
@@ -65,7 +70,7 @@ def read_points(t: Entries, base: Path) -> Points:
                 "at its bottom",
                 t.where,
             )
-    return Points(tuple(rows), depths, ways[0] in ("at", "file") and not depths)
+    return Points(tuple(rows), depths, ways[0] in ("at", "file") and not depths, bool({*WAYS} & set(t.given)))
 
 
 def _line(t: Entries) -> list[Point]:
@@ -93,7 +98,7 @@ def axis(t: Entries, key: str, default: float | None) -> list[float]:
         e = Entries(v, t.where, f"{t.name}.{key}" if t.name else key)
         e.only(("from", "to", "count"))
         ends = numbers([v.get("from"), v.get("to")])
-        if ends is None:
+        if ends is None or "count" not in v:
             raise t.refuse(key, "a number, a list of numbers, or {from = ..., to = ..., count = ...}")
         return [_mix(ends[0], ends[1], w) for w in _steps(e.whole("count", 2, 1))]
     found = numbers(v if isinstance(v, list) else [v])
@@ -103,36 +108,51 @@ def axis(t: Entries, key: str, default: float | None) -> list[float]:
 
 
 def _file(t: Entries, base: Path, depths: bool) -> tuple[list[Point], bool]:
-    """A CSV file of x,y,z lines; a head may name the columns, x, y and z or depth (x and y are 0 where it has none)."""
+    """A CSV file of x,y,z lines; a head may name the columns, x, y and z or depth (x and y are 0 where it has none).
+    Lines that begin with # are remarks."""
     path = base / t.text("file", "")
     try:
-        rows = [r for r in csv.reader(path.read_text(encoding="utf-8-sig").splitlines()) if r]
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        rows = [r for r in csv.reader(x for x in lines if not x.lstrip().startswith("#")) if r]
     except OSError as e:
         raise InputError(f"cannot open the points {path}: {e.strerror}", t.where) from None
     except (UnicodeDecodeError, csv.Error) as e:
         raise InputError(f"the points {path} are no table of numbers: {e}", t.where) from None
     head = ["x", "y", "z"]
     if rows and not numbers(rows[0]):
-        named = [c.strip().lower() for c in rows[0]]
-        if "depth" in named or "z" in named:
-            head, depths = named, depths or "depth" in named
-        rows = rows[1:]
+        head = [c.strip().lower() for c in rows[0]]
+        if not {"depth", "z"} & set(head):
+            raise InputError(
+                f"the head of {path} must name the columns z or depth, and x and y where they are not 0, with commas "
+                f"between: {', '.join(rows[0])!r} does not",
+                t.where,
+            )
+        depths, rows = depths or "depth" in head, rows[1:]
+    elif rows and len(rows[0]) != 3:
+        raise InputError(
+            f"point 1 of {path} must be three numbers, x,y,z, not {','.join(rows[0])!r}; other columns need a head "
+            "that names them, as x,y,depth",
+            t.where,
+        )
     if not rows:
-        raise InputError(f"the points {path} are none", t.where)
+        raise InputError(f"there are no points in {path}: a line x,y,z for each, or a head and its columns", t.where)
     third = "depth" if "depth" in head else "z"
     pick = [head.index(c) if c in head else None for c in ("x", "y", third)]
     out = []
     for k, r in enumerate(rows):
         if len(r) != len(head):
             raise InputError(
-                f"point {k + 1} of {path} must be {_count(len(head))} numbers, not {r!r}", t.where
+                f"point {k + 1} of {path} must be {_count(len(head))}, not {', '.join(r)!r}", t.where
             )
-        out.append(point([0.0 if c is None else r[c] for c in pick], f"point {k + 1} of {path}", t))
+        row = [0.0 if c is None else r[c] for c in pick]
+        if numbers(row) is None:
+            raise InputError(f"point {k + 1} of {path} must be numbers, not {', '.join(r)!r}", t.where)
+        out.append(point(row, f"point {k + 1} of {path}", t))
     return out, depths
 
 
 def _count(n: int) -> str:
-    return {1: "one", 2: "two", 3: "three"}.get(n, str(n))
+    return {1: "one number", 2: "two numbers", 3: "three numbers"}.get(n, f"{n} numbers")
 
 
 def point(row: Any, what: str, t: Entries) -> Point:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import signal
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -69,11 +70,12 @@ def carry_out(
             outcomes = _local(store, needed, r, tell or (lambda _: None))
         else:
             outcomes = _dask(store, needed, r, scheduler)
-        for outcome in outcomes:
-            summary.add(outcome)
-            if progress is not None:
-                count = len(summary.done) + len(summary.failed) + len(summary.skipped)
-                progress(count, len(needed), outcome)
+        with closing(outcomes):  # workers go at once where this is interrupted
+            for outcome in outcomes:
+                summary.add(outcome)
+                if progress is not None:
+                    count = len(summary.done) + len(summary.failed) + len(summary.skipped)
+                    progress(count, len(needed), outcome)
     return summary
 
 
@@ -109,12 +111,12 @@ def _spec(step: Step, r: Resources) -> dict[str, Any]:
     return step.spec() | {"limit": r.limit, "retry": r.retry}
 
 
-def _serial(store: Store, needed: dict[str, Step], r: Resources) -> Iterator[Outcome]:
+def _serial(store: Store, needed: dict[str, Step], r: Resources) -> Generator[Outcome, None, None]:
     for step in needed.values():
         yield do(str(store.root), _spec(step, r))
 
 
-def _local(store: Store, needed: dict[str, Step], r: Resources, tell: Tell) -> Iterator[Outcome]:
+def _local(store: Store, needed: dict[str, Step], r: Resources, tell: Tell) -> Generator[Outcome, None, None]:
     """On workers of this machine, planned stage by stage."""
     for stage in stages(needed, store, r):
         if stage.said:
@@ -125,7 +127,7 @@ def _local(store: Store, needed: dict[str, Step], r: Resources, tell: Tell) -> I
             yield from _dask(store, stage.steps, stage.resources, "local")
 
 
-def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -> Iterator[Outcome]:
+def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -> Generator[Outcome, None, None]:
     if not needed:
         return
     try:
@@ -144,7 +146,7 @@ def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -
             spec = _spec(step, r) | {"dropped_by": by.get(key, "")}
             first = [futures[i.key] for i in step.inputs.values() if i.key in futures]
             name = f"{step.kind}-{key}"
-            futures[key] = client.submit(do, root, spec, *first, key=name, pure=False, retries=2)
+            futures[key] = client.submit(_at_worker, root, spec, *first, key=name, pure=False, retries=2)
         label = {futures[k].key: s for k, s in needed.items()}
         ended = as_completed(list(futures.values()))
         futures.clear()  # what nobody holds any more is not done again where a worker dies that had its outcome
@@ -166,6 +168,14 @@ def _dask(store: Store, needed: dict[str, Step], r: Resources, scheduler: str) -
             yield Outcome(step.key, step.label, "failed", message)
 
 
+def _at_worker(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
+    """:func:`do`, of which nothing becomes a client of the cluster itself, as xarray's locks of files would."""
+    import dask
+
+    with dask.config.set(scheduler="synchronous"):
+        return do(root, spec, *waited_for)
+
+
 @contextmanager
 def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any]:
     """A client of the cluster asked for; a local cluster is made to fit the machine."""
@@ -185,21 +195,36 @@ def _client(make: Any, r: Resources, steps: int, scheduler: str) -> Iterator[Any
         k: str(r.threads)
         for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "FEBKIT_THREADS")
     } | {"OPENBLAS_NUM_THREADS": "1"}  # as febkit run has it
-    with (
-        dask.config.set(
-            {"distributed.nanny.pre-spawn-environ": env, "distributed.worker.memory.terminate": 0.98}
-        ),
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=f"{r.memory}GB",
-            dashboard_address=":0",
-            silence_logs=50,
-        ) as cluster,
-        make(cluster) as client,
+    with dask.config.set(
+        {"distributed.nanny.pre-spawn-environ": env, "distributed.worker.memory.terminate": 0.98}
     ):
-        yield client
+        with _held_interrupts():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=f"{r.memory}GB",
+                dashboard_address=":0",
+                silence_logs=50,
+            )
+        with cluster, make(cluster) as client:
+            yield client
+
+
+@contextmanager
+def _held_interrupts() -> Iterator[None]:
+    """Ctrl-C waits, and never reaches the threads and processes that begin in here: this one ends them."""
+    from multiprocessing import resource_tracker
+
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # which lifts the block of whoever starts it
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def fitting_workers(r: Resources) -> int:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +23,7 @@ from febkit.study.config import Resources
 from febkit.study.depth import Column
 from febkit.study.memory import size, solve_memory, stages
 from febkit.study.store import Store
+from helpers.command import FEBKIT
 from helpers.forked import febkit as command
 
 SMALL = """
@@ -93,16 +97,46 @@ def test_a_grid_has_all_points_and_three_axes(tmp_path):
     ("from = [0, 0, 0.1]\ncount = 2", "to is missing"),
     ("from = [0, 0, 0.1]\nto = [0, 0, 0.2]\ncount = 0", "count of .points. must be a whole number from 1"),
     ("depth = 'all'", "depth of .points. must be a number, a list"),
+    ("depth = {from = 0.1, to = 0.9}", "depth of .points. must be .*count"),
+    ("at = [[0, 0, 0], [0, 0, 9]]", r"point 2 \(0, 0, 9\) lies outside the tissue, which reaches from z = -0.5 to 0.5"),
+    ("at = [[2, 0, 0]]", r"point 1 \(2, 0, 0\) lies outside the tissue of case slow"),
     ("depth = {from = 0.1, to = 'x', count = 2}", "depth of .points. must be a number, a list"),
     ("depth = 0.5\ncount = 3", "count of .points. does not go with depth"),
     ("z = 0.1\ndepth = 0.5", "does not go with"),
-    ("depth = [0.5, 0.5]", "twice"),
+    ("depth = [0.5, 0.7, 0.5]", r"twice: points 1 and 3 are \(0, 0, 0.5\)"),
     ("at = [[0, 0, 0]]\ncoordinates = 'polar'", "coordinates of .points. must be xyz or depth"),
 ])  # fmt: skip
 def test_points_that_cannot_be(tmp_path, entry, said):
     with pytest.raises(InputError, match=said) as e:
         points(tmp_path, entry)
     assert "deep.toml" in str(e.value)
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("", "there are no points in p.csv"),
+    ("depth\n", "there are no points in p.csv"),
+    ("depth (mm)\n0.1\n", "head of p.csv must name the columns z or depth.*'depth .mm.' does not"),
+    ("depth;x\n0.1;0\n", "with commas between: 'depth;x' does not"),
+    ("0.1\n0.2\n", "point 1 of p.csv must be three numbers, x,y,z, not '0.1'; other columns need a head"),
+    ("x,depth\n0,0.1\n0,y\n", "point 2 of p.csv must be numbers, not '0, y'"),
+    ("depth\n0,1\n", "point 1 of p.csv must be one number, not '0, 1'"),
+    ("# of the specimen\nx,y,z\n0,0,9\n", r"point 1 \(0, 0, 9\) lies outside the tissue"),
+    (None, "cannot open the points p.csv|No such file"),
+])  # fmt: skip
+def test_files_of_points_that_cannot_be(tmp_path, monkeypatch, text, said):
+    monkeypatch.chdir(tmp_path)
+    if text is not None:
+        Path("p.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        points(Path(), "file = 'p.csv'")
+
+
+def test_a_tissue_of_ones_own_needs_points(tmp_path):
+    """(0, 0, 0), which the published study means, is the bone under cartilage."""
+    text = "[tissue]\ntemplate = 'cartilage'\nsize = 'small'\n[cell]\nn = 6\ncells = 1\nlayers = [1, 1, 1]\n"
+    with pytest.raises(InputError, match="it is not said where the cells are"):
+        study.read(written(tmp_path, text))
+    assert study.read(written(tmp_path, text + "[points]\nat = [[0, 0, 0.5]]\n")).points == ((0.0, 0.0, 0.5),)
 
 
 def test_depth_follows_a_surface_that_is_not_flat():
@@ -135,7 +169,7 @@ def test_zones_have_cells_of_their_own(tmp_path):
     (ZONES.replace("0.3]", "0.4]"), "zones top and deep overlap from depth 0.3 to 0.4"),
     (ZONES.replace("1.0]", "0.7]"), r"point 3 \(0, 0, -0.3\) at depth 0.8 lies in no zone"),
     (ZONES.replace("[0.0, 0.3]", "0.3"), r"\[zones.top\] needs depth = \[from, to\]"),
-    (ZONES.replace("cells", "cels"), r"\[cell\]: 'cels' is no parameter"),
+    (ZONES.replace("cells", "cels"), r"\[cell\] with \[zones.top\]: 'cels' is no parameter.*did you mean .cells."),
     (ZONES.replace("cells", "seed"), "seeds are those of .cell."),
 ])  # fmt: skip
 def test_zones_that_cannot_be(tmp_path, text, said):
@@ -432,3 +466,19 @@ def test_what_is_gathered_goes_onto_no_input(tmp_path):
     assert done.returncode == 2 and "deep.nc" in done.stderr and file.read_bytes() == kept
     done = command("study", "gather", file, "-o", "other.nc", folder=tmp_path)
     assert done.returncode == 2 and "nothing of the study" in done.stderr and not (tmp_path / "other.nc").exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="Ctrl-C goes to a group of processes on POSIX")
+def test_ctrl_c_ends_all_workers_without_a_word_of_theirs(tmp_path):
+    """A terminal sends it to the workers too. No other test interrupts a cluster, which takes seconds to begin."""
+    written(tmp_path, SMALL + "[run]\nmemory = 1\n")  # one stage, by workers
+    job = subprocess.Popen([FEBKIT, "study", "run", "deep.toml"], cwd=tmp_path, stdout=subprocess.PIPE,
+                           stderr=subprocess.PIPE, text=True, start_new_session=True)  # fmt: skip
+    first = job.stdout.readline()
+    os.killpg(job.pid, signal.SIGINT)
+    _, said = job.communicate(timeout=60)
+    assert first.startswith("[1/") and job.returncode == 130 and said.strip() == "interrupted"
+    done = command("study", "status", "deep.toml", folder=tmp_path)
+    assert done.returncode == 0 and "build" in done.stdout
+    with pytest.raises(ProcessLookupError):  # none is left
+        os.killpg(job.pid, 0)
