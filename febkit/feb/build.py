@@ -151,7 +151,9 @@ class ModelBuilder:
                 spec = component(head)
                 if self.doc is not None:
                     self.doc.origin[id(spec)] = c
-            name = c.get("name") or c.get("type") or ""
+            type_ = c.get("type") or ""
+            fills = type_ in mesh_section.VAR_MAPS  # which says more than a name beside it
+            name = type_ if fills else c.get("name") or type_
             out.append(MeshData(kind, name, c.need(set_attr), spec, items, values, c.where))
         self._add("mesh_data", tuple(out))
 

@@ -31,6 +31,7 @@ NODES_OF = {name: e.nodes for name, e in ELEMENTS.items()}
 MOST = 20_000_000  # ids that one list of ranges may hold
 _INTEGERS = re.compile(r"[\s\d,:+-]*", re.ASCII)
 FACETS = {name: NODES_OF[name] for name in of_dimension(2)}
+VAR_MAPS = ("shell thickness", "fiber", "mat_axis")  # element data that fill what they are called
 LINES = {"line2": 2, "line3": 3}  # edges; trusses and beams are elements
 
 

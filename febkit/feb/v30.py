@@ -29,7 +29,6 @@ QN_NAMES = {"bfgs": "BFGS", "0": "BFGS", "broyden": "Broyden", "1": "Broyden", "
 # module -> quasi-Newton method of its solver where none is given
 QN_DEFAULT = {"solid": "BFGS", "heat": "BFGS"}
 SHELLS = {"0": "elastic-shell-old", "2": "elastic-shell-eas", "3": "elastic-shell-ans"}
-VAR_MAPS = ("shell thickness", "fiber", "mat_axis")
 RIGID_DOFS = ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw")
 RIGID_LOADS = {"follower force": "rigid_follower_force", "follower moment": "rigid_follower_moment"}
 RIGID_ICS = ("initial_rigid_velocity", "initial_rigid_angular_velocity")

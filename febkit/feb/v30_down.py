@@ -21,7 +21,7 @@ from .edit import (
     text,
     walk,
 )
-from .mesh import floats, ints
+from .mesh import VAR_MAPS, floats, ints
 from .references import materialise
 from .v30 import (
     DEFAULT_TYPES,
@@ -32,8 +32,7 @@ from .v30 import (
     RIGID_LOADS,
     SHELL_TYPES,
     SOLID_TYPES,
-    VAR_MAPS,
-)
+    )
 
 
 def down(root: Tag, notes: list[str], edges: bool = False) -> None:

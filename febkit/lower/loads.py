@@ -145,7 +145,7 @@ def _nodal(ctx: Context, c: Component) -> Any:
     readers: dict[str, Callable[[], Any]] = {
         "nodal_force": lambda: cls(nodes, X, relative=relative, value=ctx.vector(c.need("value"))),
         "nodal_load": lambda: _dof_load(ctx, c, nodes, X, relative),
-        "nodal fluidflux": lambda: cls(nodes, X, value=ctx.value(c.need("value"))),
+        "nodal fluidflux": lambda: cls(nodes, X, value=ctx.value(c.need("value"), maps=ref)),
         "nodal_target_force": lambda: cls(
             nodes, X, force=ctx.vector(c.need("force")), scale=ctx.value(c.child("scale"), 1.0)
         ),
@@ -165,20 +165,20 @@ def _backs(ctx: Context, c: Component, nodes: np.ndarray) -> np.ndarray:
 
 def _dof_load(ctx: Context, c: Component, nodes: np.ndarray, X: np.ndarray, relative: bool) -> Any:
     dof = c.need("dof").text.strip()
-    leaf = c.child("scale") or c.need("value")
+    leaf, ref = c.child("scale") or c.need("value"), c.attrs.get("node_set", "")
     if dof in ("sx", "sy", "sz", "q") or (dof[:1] == "d" and ctx.layout.has("c" + dof[1:])):
         nodes, dof = _backs(ctx, c, nodes), "c" + dof[1:] if dof[0] == "d" else dof[1:] or "p"
         X = ctx.X[nodes]
     if dof == "p":  # FEBio multiplies loads on the pressure by the step size
-        return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf))
-    if dof in ("u", "v", "w") and ctx.layout.turns:
-        return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
+        return records.load("nodal fluidflux")(nodes, X, value=ctx.value(leaf, maps=ref))
+    rate = {}
     if ctx.layout.has(dof) and ctx.layout.column(dof) in ctx.layout.concentrations:
-        return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf), rate=dof == "c1")
-    if dof not in ("x", "y", "z"):
+        rate = {"rate": dof == "c1"}
+    elif dof not in ("x", "y", "z") and not (dof in ("u", "v", "w") and ctx.layout.turns):
         ctx.refuse(f"a nodal load on {dof}", c.where)
         dof = "x"
-    return records.load("nodal_load")(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf))
+    cls = records.load("nodal_load")
+    return cls(nodes, X, relative=relative, dof=dof, scale=ctx.value(leaf, maps=ref), **rate)
 
 
 def _body(ctx: Context, c: Component) -> Any:

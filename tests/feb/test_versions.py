@@ -67,6 +67,22 @@ def test_what_a_version_cannot_say_is_listed():
     assert len(notes) == 2 and any("load controller 1" in n for n in notes) and any("units" in n for n in notes)
 
 
+@pytest.mark.parametrize("name", ["", ' name="Element thickness"'])
+def test_element_data_fill_what_var_says(tmp_path: Path, name: str) -> None:
+    """A name beside it, as febio-python writes one, counts for nothing in FEBio."""
+    path = tmp_path / "shell.feb"
+    path.write_text(f"""<febio_spec version="3.0"><Module type="solid"/>
+<Material><material id="1" name="m" type="neo-Hookean"><E>1</E><v>0.3</v></material></Material>
+<Mesh><Nodes name="all"><node id="1">0,0,0</node><node id="2">1,0,0</node><node id="3">0,1,0</node></Nodes>
+<Elements type="tri3" name="p"><elem id="1">1,2,3</elem></Elements></Mesh>
+<MeshDomains><ShellDomain name="p" mat="m"/></MeshDomains>
+<MeshData><ElementData elem_set="p"{name} var="shell thickness">
+<elem lid="1">0.1,0.2,0.3</elem></ElementData></MeshData>
+</febio_spec>""")
+    (data,) = read(path).mesh_data
+    assert data.name == "shell thickness" and data.values.tolist() == [[0.1, 0.2, 0.3]]
+
+
 def test_the_thickness_of_shells_is_element_data_in_version_3():
     """FEBio 4.11 leaves <shell_thickness> unused in files of version 3.0."""
     model = read(FILES["4.0"])

@@ -95,6 +95,17 @@ def test_formulas_take_node_maps_on_conditions(tmp_path: Path) -> None:
     assert np.allclose(displacement(p, 1.0)[4:, 2], 2 * (0.5 * np.array([-0.1, -0.2, -0.3, -0.4]) + 0.02 * p.X[4:, 0]))
 
 
+def test_formulas_take_node_maps_on_nodal_loads(tmp_path: Path) -> None:
+    """By the places of the nodes in the set, as decks of febio-python have them; FEBio gives the same displacements."""
+    more = ('<MeshData><NodeData name="Fx" node_set="top"><node lid="1">1</node><node lid="2">2</node>'
+            '<node lid="3">3</node><node lid="4">4</node></NodeData></MeshData><Loads>{}</Loads>')
+    load = '<nodal_load type="nodal_load" node_set="top"><dof>x</dof><scale lc="1"{}</scale></nodal_load>'
+    one, two = load.format(">1*Fx"), load.format(' type="map">Fx')
+    p = problem(tmp_path, more=more.format(one + two))
+    for force in p.common.loads:
+        assert np.allclose(force.scale(1.0, p.X[4:], np.arange(4)), [2, 4, 6, 8])
+
+
 def test_maps_of_facets_are_pressures_in_the_order_of_the_file(tmp_path: Path) -> None:
     """Facets of two kinds: the map's rows follow their ids, not their kinds."""
     surface = ('<Surface name="s"><quad4 id="1">5,6,7,8</quad4><tri3 id="2">1,2,3</tri3>'
