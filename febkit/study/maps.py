@@ -120,7 +120,8 @@ def size_tables(
         for t in (moments(ds, ramp)[0], float(ds["time"][-1])):
             at = own.sel(time=t, method="nearest")
             rows = [
-                [v.name, *_size(plan, k), *(_said(at[m].isel(variant=k).values) for m in _six(ds))]
+                [v.name, *_size(at[_six(ds)[0]].isel(variant=k), plan.study.cells(0, k).get("edge"))]
+                + [_said(at[m].isel(variant=k).values) for m in _six(ds)]
                 for k, v in enumerate(plan.study.variants)
             ]
             title = f"{case} {method}: variants at t = {t:.4g}, median [least, greatest] over points, seeds and cells"
@@ -142,19 +143,13 @@ def size_tables(
         yield Table(title, ["", "variant", *(short(m) for m in _six(ds))], rows)
 
 
-def _size(plan: Plan, k: int) -> tuple[object, object]:
-    """Number of cells, and how many there are in a unit of volume, where the template says it by these names."""
-    from febkit.model import Where
-
-    from .models import template_of, values_of
-
-    table = plan.study.cells(0, k)
-    if "file" in table:
-        return "", ""
-    p = values_of(template_of(table, "cell"), table, Where(str(plan.study.file)))
-    cells = len(p.get("centres") or ()) or p.get("cells", "")
-    edge = p.get("edge")
-    return cells, f"{cells / edge**3:.4g}" if cells and isinstance(edge, int | float) else ""
+def _size(at: xr.DataArray, edge: object) -> tuple[str, str]:
+    """Number of cells that were measured, over points and seeds, and how many in a unit of volume."""
+    there = np.isfinite(at.transpose("cell", ...).values).sum(axis=0).ravel()
+    found = sorted({int(n) for n in there if n})
+    ends = [found[0], found[-1]] if len(found) > 1 else found
+    volume = float(edge) ** 3 if isinstance(edge, int | float) else 0.0
+    return " to ".join(map(str, ends)), " to ".join(f"{n / volume:.4g}" for n in ends) if volume else ""
 
 
 def size_figures(plan: Plan, ds: xr.Dataset, ramp: float | None, folder: Path) -> Iterator[Path]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import febkit
+from febkit import study, templates
 from helpers.files import load
 
 FOLDER = Path(__file__).parents[2] / "examples"
@@ -36,6 +38,30 @@ def test_edit_and_solve(tmp_path: Path) -> None:
     """At equilibrium the force is proportional to Young's modulus."""
     (tmp_path / "m.feb").write_text(example("unconfined_compression").text(2, 2, 20000.0))
     assert example("edit_and_solve").main(febkit.read(tmp_path / "m.feb")) == pytest.approx(2.0, rel=2e-3)
+
+
+STUDIES = ["biomultiscale", "study_depths", "study_full_B", "study_reduced", "study_size", "study_triphasic"]
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_studies_can_be_planned(name: str) -> None:
+    assert study.make_plan(study.read(FOLDER / f"{name}.toml")).metrics
+
+
+def test_the_matrix_of_biomultiscales_cells_is_its_tissue_where_they_are() -> None:
+    s = study.read(FOLDER / "biomultiscale.toml")
+    table = np.genfromtxt(FOLDER / "biomultiscale_tissue.csv", delimiter=",", names=True, skip_header=3)
+    for k, (_, _, z) in enumerate(s.points):
+        cell = s.cells(k, 0)
+        for name, column in (("ecm_E", "E"), ("ecm_beta", "beta"), ("phi0", "phi0")):
+            assert cell[name] == pytest.approx(np.interp(1 - z / 0.5, table["depth"], table[column]), rel=1e-5)
+
+
+def test_the_smallest_cube_has_a_cell_for_each_seed_of_the_study_of_sizes() -> None:
+    s = study.read(FOLDER / "study_size.toml")
+    for seed in s.seeds:
+        model = templates.new("cell", **(s.cells(0, 0) | {"seed": seed}))
+        assert model.mesh.part_lists["cells"] == ("cell_1",)
 
 
 def test_donnan_swelling() -> None:

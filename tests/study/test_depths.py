@@ -22,6 +22,7 @@ from febkit.study.again import smaller_steps
 from febkit.study.background import material_at, with_background
 from febkit.study.config import Resources
 from febkit.study.depth import Column
+from febkit.study.maps import _size
 from febkit.study.memory import size, solve_memory, stages
 from febkit.study.store import Store
 from helpers.command import FEBKIT
@@ -239,6 +240,14 @@ def test_variants_are_models_side_by_side(tmp_path):
     for bad, said in wrong.items():
         with pytest.raises(InputError, match=said):
             plan_of(tmp_path, text + f"[variants]\n{bad}\n")
+
+
+def test_cells_in_the_table_of_sizes_are_those_that_there_are():
+    """Not the template's number, which a density, a zone or a larger cube may have in its place."""
+    at = xr.DataArray([[0.1, 0.2, np.nan], [0.1, np.nan, np.nan], [0.3, 0.2, np.nan]], dims=("cell", "seed"))
+    assert _size(at, 0.1) == ("2 to 3", "2000 to 3000")
+    assert _size(at.isel(seed=[1]), 0.1) == ("2", "2000") and _size(at, None) == ("2 to 3", "")
+    assert _size(at.isel(seed=[2]), 0.1) == ("", "")
 
 
 # ---- the tissue's own material ---------------------------------------------------------------------
