@@ -11,7 +11,7 @@ from febkit.metrics import tables
 from febkit.metrics.agreement import compare_orders, spread, usual
 from febkit.metrics.cells import METRICS
 from febkit.metrics.osmotic import split
-from febkit.model import Where
+from febkit.model import InputError, Where
 
 from . import gather, ions, maps, pattern
 from .models import CASES, template_of, values_of
@@ -66,6 +66,7 @@ def _text(plan: Plan, found: Metrics, agreed: Metrics, data: xr.Dataset, picture
     ]
     if missing:
         out += [f"Not done yet: {', '.join(missing[:20])}{' ...' if len(missing) > 20 else ''}.", ""]
+    out += _instant_said(plan, found)
     out += [t.markdown() for t in _failed(plan)]
     out += [t.markdown() for t in all_tables(plan, found, agreed)]
     out += [t.markdown() for t in maps.depth_table(data)]
@@ -166,13 +167,26 @@ def ramp(plan: Plan) -> float | None:
     return float(found) if isinstance(found, int | float) else None
 
 
-def instant(plan: Plan, ds: xr.Dataset) -> float | None:
-    """:func:`ramp`; where nothing says it the published study's, or the first time after the start."""
-    said = ramp(plan)
-    t = ds["time"].values
-    if said is None and abs(t - pattern.RAMP).min() > 1e-3 * pattern.RAMP:
-        return float(t[min(1, len(t) - 1)])
-    return said
+def instant(plan: Plan, ds: xr.Dataset) -> float:
+    """The "instantaneous" moment of a result: the study's own; else the ramp's end, or the first state after it."""
+    end, t = ramp(plan), ds["time"].values
+    wanted = pattern.RAMP if end is None else end
+    if abs(t - wanted).min() <= 1e-3 * wanted:
+        return wanted
+    if plan.study.instantaneous is not None:
+        said = ", ".join(f"{x:g}" for x in t[:12]) + (" ..." if len(t) > 12 else "")
+        raise InputError(f"{plan.study.file}: instantaneous = {wanted:g}, when no result has a state; they have {said}")
+    later = t[t > (0.0 if end is None else end)]
+    return float(later[0] if len(later) else t[-1])
+
+
+def _instant_said(plan: Plan, found: Metrics) -> list[str]:
+    """A line where "instantaneous" is not the ramp's end."""
+    first = next(iter(found.values()), None)
+    end = ramp(plan)
+    if first is None or end is None or (t := instant(plan, first)) == end:
+        return []
+    return [f"There is no state at the ramp's end, t = {end:g}; \"instantaneous\" is t = {t:g}.", ""]
 
 
 def _times(plan: Plan) -> tables.Table:

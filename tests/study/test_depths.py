@@ -24,6 +24,7 @@ from febkit.study.config import Resources
 from febkit.study.depth import Column
 from febkit.study.maps import _size
 from febkit.study.memory import size, solve_memory, stages
+from febkit.study.report import instant
 from febkit.study.store import Store
 from helpers.command import FEBKIT
 from helpers.forked import febkit as command
@@ -248,6 +249,24 @@ def test_cells_in_the_table_of_sizes_are_those_that_there_are():
     assert _size(at, 0.1) == ("2 to 3", "2000 to 3000")
     assert _size(at.isel(seed=[1]), 0.1) == ("2", "2000") and _size(at, None) == ("2 to 3", "")
     assert _size(at.isel(seed=[2]), 0.1) == ("", "")
+
+
+@pytest.mark.parametrize(("times", "ramp", "said", "expected"), [
+    ([0, 5, 10, 20], 10.0, None, 10.0),
+    ([0, 5, 12, 20], 10.0, None, 12.0),  # none at the ramp's end: the first after it
+    ([0, 5], 10.0, None, 5.0),
+    ([0, 5, 10], 10.0, 5.0, 5.0),
+])  # fmt: skip
+def test_what_is_called_instantaneous(tmp_path, times, ramp, said, expected):
+    entry = "" if said is None else f"instantaneous = {said}\n"
+    p = plan_of(tmp_path, entry + SMALL.replace("ramp = 10.0", f"ramp = {ramp}"))
+    assert instant(p, xr.Dataset(coords={"time": np.array(times, float)})) == expected
+
+
+def test_an_instantaneous_time_that_no_result_has(tmp_path):
+    p = plan_of(tmp_path, "instantaneous = 3\n" + SMALL)
+    with pytest.raises(InputError, match=r"deep\.toml: instantaneous = 3, when no result has a state; they have 0, 5"):
+        instant(p, xr.Dataset(coords={"time": np.array([0.0, 5.0])}))
 
 
 # ---- the tissue's own material ---------------------------------------------------------------------
