@@ -44,8 +44,16 @@ def _tissue(p: dict[str, Any]) -> Generated:
 
 
 def _given(p: Mapping[str, Any]) -> bool:
-    """Whether the mesh is the user's."""
-    return bool(p.get("mesh_file") or p.get("surfaces"))
+    """Whether the mesh is the user's. Raises InputError for types of elements that no generated one has."""
+    given = bool(p.get("mesh_file") or p.get("surfaces"))
+    if not given:
+        _unmeshed(p, "the generated mesh is of hexahedra")
+    return given
+
+
+def _unmeshed(p: Mapping[str, Any], why: str) -> None:
+    if p.get("tets", "tet4") != "tet4":
+        raise InputError(f'tets = "{p["tets"]}" is for images (mesh_file = "labels.tif") and surfaces: {why}')
 
 
 def _enclosed(made: Parts, p: Mapping[str, Any]) -> Parts:
@@ -108,6 +116,7 @@ def _from_file(p: dict[str, Any]) -> Generated:
     elif file.lower().endswith(segmented.IMAGES):
         made = named_image(file, names, p.get("voxel", []), int(p.get("smoothing", 10)), wedges)
     else:
+        _unmeshed(p, f"{file} is a mesh, whose elements are taken as they are")
         made = user_mesh(file, names, p.get("part_array", ""), scale)
         return _finished(_enclosed(made, p), {"read from": file})
     made = segmented.quadratic(made) if p.get("tets") == "tet10" else made

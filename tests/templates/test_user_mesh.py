@@ -140,3 +140,13 @@ def test_a_cell_of_hexahedra_and_pyramids_is_one_cell(tmp_path: Path) -> None:
     result = febkit.read(tmp_path / "m.feb").solve()
     found = cell_metrics(result.dataset, febkit.read(tmp_path / "m.feb"))
     assert result.converged and found["cell"].values.tolist() == ["cell_1"]
+
+
+@pytest.mark.parametrize("template", ["cell", "chondron", "embedded"])
+def test_types_of_elements_that_nothing_makes_are_refused(template: str, tmp_path: Path) -> None:
+    """Not left aside: hexahedra in their place would be found late."""
+    with pytest.raises(InputError, match="the generated mesh is of hexahedra"):
+        new(template, tets="hybrid")
+    pyramids_in_a_lattice(tmp_path / "m.vtk")
+    with pytest.raises(InputError, match=r"m\.vtk is a mesh, whose elements are taken as they are"):
+        new(template, tets="tet10", mesh_file=str(tmp_path / "m.vtk"))
