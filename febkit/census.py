@@ -93,7 +93,8 @@ FACET = '<Loads><surface_load type="pressure" surface="f"/></Loads>'
 # within <Control>
 CONTROL = {
     "solver": ('<solver type="{}"/>',), "control tag": ("<{0}>1</{0}>",),
-    "solver tag": ("<solver><{0}>0</{0}></solver>", '<solver type="explicit-solid"><{0}>1</{0}></solver>'),
+    "solver tag": ("<solver><{0}>0</{0}></solver>", '<solver type="explicit-solid"><{0}>1</{0}></solver>',
+                   '<solver type="CG-solid"><{0}>1</{0}></solver>'),
     "quasi-Newton method": ('<solver><qn_method type="{}"/></solver>',),
     "linear solver": ('<solver><linear_solver type="{}"/></solver>',),
 }  # fmt: skip

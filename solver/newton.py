@@ -89,6 +89,7 @@ class Newton:
             self.usual, self.fresh = Kept(self, leans=True), Kept(self, leans=False)
         self.guarded: Strategy = Guarded(self)
         self.arc: Along | None = None
+        self.only = False  # is no other strategy to be tried?
 
     @property
     def full(self) -> bool:
@@ -97,7 +98,13 @@ class Newton:
 
     def follow(self, path: Along) -> None:
         """Solve all steps so."""
-        self.arc = self.usual = self.fresh = path
+        self.arc = path
+        self.take(path)
+
+    def take(self, how: Strategy) -> None:
+        """Solve all steps so, and in no other way."""
+        self.usual = self.fresh = how
+        self.only = True
 
     # ---- pieces -----------------------------------------------------------------------------------
     def on_rows(self, solve: Callable[[Floats], Floats], b: Floats) -> Floats:

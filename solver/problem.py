@@ -120,6 +120,7 @@ class NewtonOptions:
     beta: float = 0.25
     gamma: float = 0.5
     rho_inf: float = -2.0
+    descent: str = ""  # conjugate gradients instead of Newton's method: "Hager-Zhang" or "steepest descent" [cgmethod]
     arc_length: bool = False
     arc_length_scale: float = 0.0
     logarithmic: bool = False  # of residuals, from an analysis step's second time step on [logSolve]

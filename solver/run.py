@@ -296,12 +296,17 @@ class Run:
                 from .arc_length import ArcLength
 
                 self.newton.follow(ArcLength(self.newton))
+            elif self.step.newton.descent:
+                from .conjugate import ConjugateGradients
+
+                self.newton.take(ConjugateGradients(self.newton))
         else:
             from .explicit import Explicit
 
             self.newton = Explicit(self.system, self.step.explicit, *rest)
         self.newton.inverse.remembers, self.newton.inverse.serves = self.remembers, reuse
-        self.totals.linear_solver = self.newton.inverse.solver.name
+        plain = self.newton.options.descent
+        self.totals.linear_solver = f"none ({plain})" if plain else self.newton.inverse.solver.name
         return route
 
     def _newton_options(self) -> NewtonOptions:
@@ -399,7 +404,7 @@ class Run:
             return newton.guarded
         if step.retry():
             return newton.guarded if isinstance(how, Guarded) else newton.fresh
-        turned = isinstance(e, ElementFailure) and newton.arc is None
+        turned = isinstance(e, ElementFailure) and not newton.only
         return newton.guarded if turned and step.persist() else None
 
     def _retried(self, e: Exception) -> str:

@@ -115,6 +115,8 @@ def _lower(model: Model) -> tuple[Problem | None, list[UnsupportedError]]:
         refinement.check(ctx, blocks, common, steps)
     if any(s.explicit for s in steps):
         _explicit(ctx, blocks, common, steps)
+    if any(s.newton.descent for s in steps):
+        _conjugate(ctx, blocks, common, steps)
     _midpoint(ctx, blocks, steps)
     _end(ctx, steps)
     if not steps:
@@ -155,6 +157,21 @@ def _explicit(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]
         for what in (k for k, there in found.items() if there):
             where = spec.control.where if spec.control else None
             ctx.refuse(f'{what} with <solver type="explicit-solid">', where)
+
+
+def _conjugate(ctx: Context, blocks: list[Block], common: Step, steps: list[Step]) -> None:
+    """Refuse what conjugate gradients were not tried on beside FEBio's: all but solids under loads."""
+    solids = ("standard", "three-field")
+    other = [b.name for b in blocks if b.physics.name not in solids or b.element.startswith("shell_")]
+    for s, spec in zip(steps, ctx.model.steps):
+        both = (common, s)
+        found = {
+            "rigid bodies": bool(ctx.rigid), "contact": any(q.contacts for q in both),
+            "constraints": any(q.constraints or q.connectors for q in both), "adaptors": any(q.adaptors for q in both),
+            f"the elements of part {other[0] if other else ''!r}": bool(other),
+        }  # fmt: skip
+        for what in (k for k, there in found.items() if there and s.newton.descent):
+            ctx.refuse(f'{what} with <solver type="CG-solid">', spec.control.where if spec.control else None)
 
 
 def _midpoint(ctx: Context, blocks: list[Block], steps: list[Step]) -> None:

@@ -42,6 +42,11 @@ NUMBERS = {  # tags and options
     "max_residual": "max_residual", "lstol": "line_tolerance", "lsmin": "line_minimum", "rhoi": "rho_inf",
     "alpha": "alpha", "beta": "beta", "gamma": "gamma",
 }  # fmt: skip
+CONJUGATE = frozenset({  # tags of CG-solid; matrices and rates there are none of
+    "dtol", "etol", "rtol", "min_residual", "lstol", "lsmin", "lsiter", "cgmethod", "preconditioner", "beta", "gamma",
+    "equation_order", "equation_scheme", "optimize_bw", "symmetric_stiffness",
+})  # fmt: skip
+DESCENT = {"0": "Hager-Zhang", "1": "steepest descent"}
 LAST = 3.4e38  # a time in a plotfile
 SHORTEST = 1e-300  # beta dt^2 of dynamics, by which masses are divided
 QN = frozenset({"max_ups", "max_buffer_size", "cycle_buffer", "cmax", "jfnk_eps"})
@@ -58,6 +63,8 @@ def step(ctx: Context, control: Component, out: Step) -> None:
     solver = control.child("solver")
     if solver is not None and solver.type == "explicit-solid":
         out.explicit = _explicit(ctx, solver)
+    elif solver is not None and solver.type == "CG-solid":
+        out.newton = _conjugate(ctx, solver, control, out)
     else:
         out.newton = _newton(ctx, solver)
     if out.analysis == DYNAMIC:
@@ -173,6 +180,22 @@ def _explicit(ctx: Context, c: Component) -> Any:
     if lumping == 0:
         ctx.refuse("<mass_lumping>0</mass_lumping>, which FEBio lacks,", c.need("mass_lumping").where)
     return Central(lumping == 1, c.float("dyn_damping", 1.0))
+
+
+def _conjugate(ctx: Context, c: Component, control: Component, out: Step) -> NewtonOptions:
+    """<solver type="CG-solid">."""
+    ctx.check_tags(c, CONJUGATE)
+    if ctx.model.module != "solid":
+        ctx.refuse(f"{c.what} in a {ctx.model.module} model", c.where)
+    if out.analysis == DYNAMIC:
+        raise InputError(f"{c.what} is for static analyses, as in FEBio", _where(control, "analysis"))
+    if c.int("preconditioner", 0):
+        ctx.refuse(f"<preconditioner> of {c.what}", _where(c, "preconditioner"))
+    o = NewtonOptions(descent=c.choice("cgmethod", DESCENT, "Hager-Zhang"), dtol=1e-6, line_minimum=1e-15)
+    for tag in ("dtol", "etol", "rtol", "min_residual", "lstol", "lsmin"):
+        setattr(o, NUMBERS[tag], _number(c, tag, getattr(o, NUMBERS[tag]), least=0.0))
+    o.line_iterations = c.int("lsiter", 10, least=0)
+    return o
 
 
 def _newton(ctx: Context, c: Component | None) -> NewtonOptions:

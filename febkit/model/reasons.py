@@ -17,7 +17,7 @@ it acts within a radius that FEBio 4.11 never sets, but for its plugins: sbm poi
 febkit has no contact over cut facets; sliding-elastic and tied-elastic serve the same ends: mortar-sliding; mortar-tied
 febkit ties opposite faces by linear constraints: periodic boundary; surface constraint
 febkit has no contact of edges: edge-to-surface contact potential; edge-to-surface sliding contact
-leave the solver's type out for Newton's method, which may find another equilibrium: CG-solid; cgmethod; preconditioner
+febkit's conjugate gradients go along plain residuals: preconditioner
 it makes where a step ended the reference, which febkit keeps throughout: prestrain
 the older form of sliding-biphasic, which serves the same end: sliding2
 febkit takes the usual integration of the element: sri-solid; udg-hex

@@ -79,7 +79,8 @@ def test_an_invented_type_is_refused(kind):
     ("material", "neo-Hookean", True), ("material", "multiphasic", True), ("load", "pressure", True),
     ("load", "surface attraction", False), ("contact", "sliding-elastic", True), ("contact", "mortar-tied", False),
     ("element", "hex20", True), ("element", "tri10", True), ("element", "line3", True),
-    ("permeability", "perm-Holmes-Mow", True), ("solver", "solid", True), ("solver tag", "cgmethod", False),
+    ("permeability", "perm-Holmes-Mow", True), ("solver", "solid", True), ("solver tag", "cgmethod", True),
+    ("solver tag", "preconditioner", False),
     ("mesh adaptor", "mmg_remesh", False),
 ])  # fmt: skip
 def test_what_is_solved(kind, name, solved):
