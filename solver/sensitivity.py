@@ -48,6 +48,8 @@ def refusal(problem: Problem) -> str:
         return "the analysis is explicit"
     if any(s.adaptors for s in steps):
         return "the mesh changes"
+    if any(s.newton.descent for s in steps):
+        return "conjugate gradients leave no tangent"
     if any(s.newton.arc_length for s in steps):
         return "the loads follow an arc length"
     for a in (c for s in steps for c in s.contacts if not c.retraces):

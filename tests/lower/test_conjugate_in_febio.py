@@ -120,3 +120,22 @@ def test_a_step_that_no_search_finds_is_cut(tmp_path: Path) -> None:
     result = febkit.solve(tmp_path / "m.feb")
     assert result.totals.retries >= 1
     assert result.converged, result.reason
+
+
+def test_runs_that_go_on_and_derivatives(tmp_path: Path) -> None:
+    """A checkpoint goes on to the same bits; derivatives are differences of whole runs."""
+    (tmp_path / "m.feb").write_text(bar(steps=4))
+    whole = febkit.solve(tmp_path / "m.feb", tmp_path / "m.xplt")
+
+    class Stop(Listener):
+        def begin_step(self, run: Any, number: int, time: float) -> None:
+            if number == 3:
+                raise KeyboardInterrupt
+
+    path = tmp_path / "n.xplt"
+    half = febkit.solve(tmp_path / "m.feb", path, checkpoint="1steps", listeners=[Stop()])
+    assert half.interrupted
+    again = febkit.solve(tmp_path / "m.feb", path, resume=True)
+    np.testing.assert_array_equal(again.state.u, whole.state.u)
+    s = febkit.read(tmp_path / "m.feb").solve(sensitivity=["m1.E"], variables=["stress"]).sensitivity
+    assert s["method"].values.tolist() == ["differences"] and "no tangent" in s.attrs["why"]["m1.E"]
