@@ -152,7 +152,7 @@ class ModelBuilder:
                 if self.doc is not None:
                     self.doc.origin[id(spec)] = c
             type_ = c.get("type") or ""
-            fills = type_ in mesh_section.VAR_MAPS  # which says more than a name beside it
+            fills = type_ in mesh_section.VAR_MAPS or ".fiber" in type_  # which says more than a name beside it
             name = type_ if fills else c.get("name") or type_
             out.append(MeshData(kind, name, c.need(set_attr), spec, items, values, c.where))
         self._add("mesh_data", tuple(out))

@@ -139,13 +139,19 @@ def _mixed(rows: Ints) -> Ints:
 
 
 def duplicates(model: Model) -> Iterator[Finding]:
+    """Ids of elements that are used twice: FEBio goes on, and takes the last where a set names one."""
     blocks = model.mesh.blocks
     ids = np.concatenate([b.ids for b in blocks]) if blocks else np.zeros(0, np.int64)
     values, counts = np.unique(ids, return_counts=True)
     if (counts > 1).any():
-        twice = int(values[counts > 1][0])
-        later = next(b for b in reversed(blocks) if twice in b.ids)
-        yield Finding("error", f"element id {twice} is used {int(counts.max())} times", later.where)
+        twice = values[counts > 1]
+        later = next(b for b in reversed(blocks) if twice[0] in b.ids)
+        said = f"element id {twice[0]} is used {int(counts.max())} times"
+        named = [s for s in model.mesh.element_sets.values() if np.isin(s.elements, twice).any()]
+        if named:
+            yield Finding("error", f'{said}: element set "{named[0].name}" does not say which it means', later.where)
+        else:
+            yield Finding("warning", f"{said}: what names it by its id means the last, as in FEBio", later.where)
     for b in blocks:
         rows = np.sort(b.conn, axis=1)
         _, index, count = np.unique(_mixed(rows), return_index=True, return_counts=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +14,7 @@ from febkit.solver.solids import axes
 from .context import Context
 
 Make = Callable[[Context, Component, str], Any]
+_INNER = re.compile(r"(\w+)\[(\d+)\]\.fiber")  # path of element data for the fibers of a material within
 
 
 def element_axes(ctx: Context, part: str) -> np.ndarray | None:
@@ -87,11 +89,33 @@ def _user_fiber(ctx: Context, c: Component, part: str) -> Any:
     data = _element_data(ctx, "fiber")
     if not data:
         raise InputError('<fiber type="user"> needs <ElementData type="fiber">', c.where)
-    rows = ctx.element_map(data, part)
+    return _by_element(ctx.element_map(data, part), data, part)
+
+
+def _by_element(rows: np.ndarray, data: list[MeshData], part: str) -> Any:
     if rows.shape[1] < 3 or np.isnan(rows[:, :3]).any():
-        message = f'<ElementData type="fiber"> must give three numbers for each element of "{part}"'
+        message = f'<ElementData type="{data[0].name}"> must give three numbers for each element of "{part}"'
         raise InputError(message, data[0].where)
     return axes.fixed_vector(rows[:, :3])
+
+
+def element_fibers(ctx: Context, spec: Component, part: str) -> Any:
+    """Directions from element data that take the place of <fiber>, as in FEBio; None where there are none.
+
+    "fiber" is of the part's material itself, "solid[1].fiber" of the second <solid> in it.
+    """
+    material = next(d.material for d in ctx.model.domains if d.block == part)
+    top = next(m for m in ctx.model.materials if m.name == material)
+
+    def means(path: str) -> bool:
+        inner = _INNER.fullmatch(path)
+        if inner is None:
+            return path == "fiber" and spec is top
+        return any(c is spec and k == int(inner[2]) for k, c in enumerate(top.all(inner[1])))
+
+    data = [d for d in ctx.model.mesh_data if d.kind == "element" and means(d.name)]
+    rows = ctx.element_map(data, part) if data else np.full((1, 1), np.nan)
+    return None if np.isnan(rows).all() else _by_element(rows, data, part)
 
 
 def _math_fiber(ctx: Context, c: Component, part: str) -> Any:

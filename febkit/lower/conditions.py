@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -119,7 +120,11 @@ def _of_shells(ctx: Context, c: Component, dof: str) -> int:
 def _fix(ctx: Context, c: Component) -> list[Fixed | Prescribed]:
     """Versions before 4.0 fix q and d by this type; it stays, for 4.0 has none for them."""
     ctx.check_tags(c, {"dofs"})
-    return [Fixed(_of_shells(ctx, c, d), _back(ctx, c)) for d in c.need("dofs").text.replace(",", " ").split()]
+    words = c.need("dofs").text.replace(",", " ").split()
+    unknown = next((w for w in words if not re.fullmatch(r"s?[xyz]|[uvwpqT]|[cd]\d+|[wg][xyz]|ef", w)), None)
+    if unknown is not None:  # FEBio 4.11 takes what is before it, and says nothing
+        raise InputError(f'{c.what}: there is no degree of freedom "{unknown}"; leave it out', c.where)
+    return [Fixed(_of_shells(ctx, c, d), _back(ctx, c)) for d in words]
 
 
 def _prescribe(ctx: Context, c: Component) -> list[Fixed | Prescribed]:

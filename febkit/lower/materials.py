@@ -199,6 +199,10 @@ def _complete(ctx: Context, cls: Any, fields: dict[str, Any], spec: Component, p
     for name in cls.parameters:
         if name not in fields and not _has_default(spec, name, defaults):
             raise InputError(f"{spec.what} lacks <{registry.tag_name(name)}>", spec.where)
+    if ctx.model.mesh_data and "fiber" in cls.properties and cls.properties["fiber"].table == "direction":
+        over = _axes().element_fibers(ctx, spec, part)
+        if over is not None:
+            fields["fiber"] = [over]
     for name, prop in cls.properties.items():
         if name in fields:
             fields[name] = tuple(fields[name]) if prop.many else fields[name][-1]

@@ -28,7 +28,7 @@ E2 = '<elem id="2">5,6,7,8,9,10,11,12</elem>'
     ('mat="Material2"', 'mat="Material9"', "error", 'no material "Material9"'),
     ("<rb>Material3</rb>", "<rb>Material1</rb>", "error", 'no rigid body material "Material1"'),
     (E2, '<elem id="2">9,10,11,12,5,6,7,8</elem>', "error", "inside out"),
-    (E2, '<elem id="1">5,6,7,8,9,10,11,12</elem>', "error", "element id 1 is used 2 times"),
+    (E2, '<elem id="1">5,6,7,8,9,10,11,12</elem>', "warning", "element id 1 is used 2 times"),
     (E2, '<elem id="2">1,2,3,4,5,6,7,8</elem><elem id="3">1,2,3,4,5,6,7,8</elem>', "warning", "have the nodes of"),
     (E2, '<elem id="2">1,2,3,4,5,6,7,8</elem>', "warning", "4 nodes belong to no element, first node 9"),
     ('<load_controller id="2"', '<load_controller id="3"', "error", "count from 1 without gaps"),
@@ -60,6 +60,14 @@ def test_a_long_formula_is_pointed_out(tmp_path):
     long = "+".join(f"abs(t-0.{i})" for i in range(100, 180))
     (tmp_path / "m.feb").write_text(TEXT.replace('<pressure lc="1">0.2', f'<pressure type="math">{long}'))
     assert any("characters" in f.message and f.severity == "warning" for f in validate(tmp_path / "m.feb"))
+
+
+def test_a_set_that_names_an_id_used_twice_is_an_error(tmp_path):
+    text = TEXT.replace(E2, '<elem id="1">5,6,7,8,9,10,11,12</elem>')
+    text = text.replace("</Mesh>", '<ElementSet name="one">1</ElementSet></Mesh>')
+    (tmp_path / "m.feb").write_text(text)
+    (found,) = [f for f in validate(tmp_path / "m.feb") if "used 2 times" in f.message]
+    assert found.severity == "error" and 'element set "one"' in found.message
 
 
 def test_a_material_that_formulas_read_needs_no_domain(tmp_path):
