@@ -119,7 +119,8 @@ def not_finite(thing: Any, name: str = "problem", seen: set[int] | None = None) 
     elif isinstance(thing, dict):
         parts = ((f"{name}[{k!r}]", x) for k, x in thing.items())
     elif dataclasses.is_dataclass(thing):
-        parts = ((f"{name}.{f.name}", getattr(thing, f.name, None)) for f in dataclasses.fields(thing))
+        fields = (f.name for f in dataclasses.fields(thing) if f.name != "origin")  # the model as the file has it
+        parts = ((f"{name}.{n}", getattr(thing, n, None)) for n in fields)
     return next(filter(None, (not_finite(x, n, seen) for n, x in parts)), "")
 
 
