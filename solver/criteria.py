@@ -37,13 +37,38 @@ def largest_deviatoric(group: Group, state: State) -> Floats | None:
     s = _stress(group)
     if s is None:
         return None
-    principal = np.linalg.eigvalsh(s[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*s.shape[:2], 3, 3))
+    principal = _principal(s)
     return np.asarray(principal[..., 2] - principal.mean(axis=-1))
+
+
+def _principal(s: Floats) -> Floats:
+    """Principal values (m, g, 3), ascending, of tensors (m, g, 6)."""
+    return np.asarray(np.linalg.eigvalsh(s[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*s.shape[:2], 3, 3)))
 
 
 def _stress(group: Group) -> Floats | None:
     give = group.physics.outputs.get("stress")
     return None if give is None or not group.deforms else give(group.physics)
+
+
+def stress_component(k: int) -> Measure:
+    """Component k of the stress: xx yy zz xy yz xz."""
+
+    def measure(group: Group, state: State) -> Floats | None:
+        s = _stress(group)
+        return None if s is None else s[..., k]
+
+    return measure
+
+
+def principal_stress(k: int) -> Measure:
+    """Principal stress k, the largest first."""
+
+    def measure(group: Group, state: State) -> Floats | None:
+        s = _stress(group)
+        return None if s is None else _principal(s)[..., 2 - k]
+
+    return measure
 
 
 def relative_volume(group: Group, state: State) -> Floats | None:
@@ -90,6 +115,12 @@ def clipped(measure: Measure, least: float, most: float) -> Measure:
 MEASURES: dict[str, Measure] = {
     "von Mises stress": von_mises, "largest deviatoric stress": largest_deviatoric,
     "relative volume": relative_volume, "damage": damage,
+}  # fmt: skip
+
+# by names of log items, whose values are means over the points of elements
+ITEMS: dict[str, Measure] = {
+    **{name: stress_component(k) for k, name in enumerate(("sx", "sy", "sz", "sxy", "syz", "sxz"))},
+    **{f"s{k + 1}": principal_stress(k) for k in range(3)}, "J": relative_volume,
 }  # fmt: skip
 
 

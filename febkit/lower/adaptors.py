@@ -58,9 +58,9 @@ def criterion(ctx: Context, c: Component, own: dict[str, np.ndarray] | None = No
     """What <criterion> selects, among the elements ``own``. One that has a value for every element selects them all, as
     in FEBio."""
     if c.type == "min-max filter":
-        return records.Range(_measure(ctx, c.need("data")), *_filter(ctx, c))
-    if c.type in MEASURES:
-        return records.Range(_measure(ctx, c))
+        return records.Range(_of_elements(ctx, c.need("data")), *_filter(ctx, c))
+    if c.type in (*MEASURES, "element data"):
+        return records.Range(_of_elements(ctx, c))
     if c.type == "element_selection":
         ctx.check_tags(c, {"value", "element_list"})
         return records.Listed(np.array(c.need("element_list").as_floats(), np.int64), c.float("value", 1.0))
@@ -72,6 +72,19 @@ def criterion(ctx: Context, c: Component, own: dict[str, np.ndarray] | None = No
         return records.Overlap(c.float("gap", 0.0))
     ctx.refuse(f'<{c.tag} type="{c.type}"> of <mesh_adaptor>', c.where)
     return records.Listed(np.zeros(0, np.int64))
+
+
+def _of_elements(ctx: Context, c: Component) -> Callable[..., records.Floats | None]:
+    """What is measured of elements: the mean over their points."""
+    if c.type != "element data":
+        return _measure(ctx, c)
+    ctx.check_tags(c, {"element_data"})
+    leaf = c.need("element_data")
+    found = records.ITEMS.get(leaf.text.strip())
+    if found is None:
+        known = ", ".join(records.ITEMS)
+        ctx.refuse(f"<element_data>{leaf.text.strip()}</element_data> (known are {known})", leaf.where)
+    return found or records.relative_volume
 
 
 def _filter(ctx: Context, c: Component) -> tuple[float, float, bool]:

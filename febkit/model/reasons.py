@@ -22,7 +22,7 @@ it makes where a step ended the reference, which febkit keeps throughout: prestr
 the older form of sliding-biphasic, which serves the same end: sliding2
 febkit takes the usual integration of the element: sri-solid; udg-hex
 no model of FEBio's public suite has it, and febkit does not yet: multiphasic-multigeneration; pipette aspiration;
-  pressure_stabilization; surface attraction; sliding-biphasic-mixed; element data; defgrad;
+  pressure_stabilization; surface attraction; sliding-biphasic-mixed; defgrad;
   parabolic map
 springs do not erode in febkit: spring force; spring stretch
 """

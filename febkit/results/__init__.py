@@ -62,7 +62,7 @@ def held(data: bytes | bytearray) -> xr.Dataset:
     if len(every) > 1:
         from febkit.model import InputError
 
-        raise InputError(f"the mesh changes {len(every) - 1} times: there is no one dataset of all states")
+        raise InputError("the mesh changes during the run: there is no one dataset of all its states")
     return every[0]
 
 

@@ -71,7 +71,7 @@ def _only_mesh(f: PlotFile, path: str | os.PathLike[str]) -> int:
     if len(used) > 1:
         raise InputError(
             f"the mesh changes {len(used) - 1} times: give mesh=0 to {f.n_meshes - 1}, or use"
-            " febkit.results.open_all for one dataset per mesh",
+            " febkit.results.open_all for one dataset per mesh; febkit convert FILE OUT.nc makes a file of each",
             Where(str(path)),
         )
     return used[0]

@@ -13,6 +13,7 @@ import febkit
 from febkit import results
 from febkit.lower import lower, unsupported
 from febkit.model import InputError
+from febkit.solver.group import NegativeJacobian
 from febkit.solver.newton import Newton, NotConverged
 from febkit.solver.run import Run
 from helpers.refined import ERROR, EVERY, FLUID, PRESSURE, PULL, VISCOUS, adaptor, chosen, deck
@@ -198,3 +199,22 @@ def test_laws_and_loads_are_those_of_the_file_again(tmp_path: Path) -> None:
     end = np.abs(X[:, 0] - 0.03 * X[:, 1] ** 2 - 4.0) < 0.02
     assert end.sum() == 25
     np.testing.assert_allclose(u[end, 2], 0.1 * 0.5 * X[end, 1], atol=1e-12)
+
+
+def test_a_second_solve_that_always_fails_ends_the_run(tmp_path: Path) -> None:
+    """In steps of one size too, where guarded steps are tried once elements turn inside out."""
+    (tmp_path / "m.feb").write_text(deck(adaptor("hex_refine", chosen("1"), max_iters=1)))
+    step = Newton.step
+
+    def never(self: Any, how: Any = None) -> Any:
+        if len(self.system.state.X) > 45:
+            raise NegativeJacobian(1, "P1")
+        return step(self, how)
+
+    Newton.step = never  # type: ignore[method-assign]
+    try:
+        result = febkit.solve(tmp_path / "m.feb")
+    finally:
+        Newton.step = step  # type: ignore[method-assign]
+    assert not result.converged and "turned inside out" in result.reason and result.totals.retries < 20
+    assert len(result.state.X) == 45

@@ -41,6 +41,8 @@ def marks(path: Path) -> list[tuple[int, int, int, float, float]]:
     return out
 
 
+DATA = ('<criterion type="min-max filter"><min>-1</min><clamp>0</clamp><data type="element data"><element_data>{}'
+        "</element_data></data></criterion>")  # fmt: skip
 CASES: dict[str, dict[str, Any]] = {
     "nodes cease to hang": {"adaptor": adaptor("hex_refine", chosen("1,9"), max_iters=1), "steps": 3},
     "by the error of stress": {"adaptor": adaptor("hex_refine", ERROR, max_iters=2, max_value=0.18), "loads": PULL},
@@ -53,6 +55,10 @@ CASES: dict[str, dict[str, Any]] = {
     "a law forgets": {"adaptor": adaptor("hex_refine", chosen("1,6"), max_iters=1), "material": VISCOUS},
     "dynamics": {"adaptor": adaptor("hex_refine", chosen("1,6"), max_iters=1), "analysis": "DYNAMIC"},
     "by what is cut to a range": {"adaptor": adaptor("hex_refine", CUT, max_iters=1, max_value=0.12)},
+    **{
+        f"by {name}": {"adaptor": adaptor("hex_refine", DATA.format(name), max_iters=1, max_value=value)}
+        for name, value in (("s1", 0.02), ("sxz", 0.004), ("J", 1.002))
+    },
     "steps of their own size": {
         "adaptor": adaptor("hex_refine", chosen("1,2"), max_iters=1), "stepper": AUTO, "steps": 3, "relative": 1,
     },
@@ -76,6 +82,21 @@ CASES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 # nodes, elements, CRC-32 of the connectivity, weighed displacement and stress of each state, in FEBio
 FEBIO: dict[str, list[tuple[int, int, int, float, float]]] = {
+    "by s1": [
+        (45, 16, 3846414515, 0, 0),
+        (45, 16, 3846414515, 12.28273, 0.2871601),
+        (78, 30, 3245734477, 22.93491, 1.690019),
+    ],
+    "by sxz": [
+        (45, 16, 3846414515, 0, 0),
+        (45, 16, 3846414515, 12.28273, 0.2871601),
+        (154, 72, 2598032647, 77.3475, 3.748261),
+    ],
+    "by J": [
+        (45, 16, 3846414515, 0, 0),
+        (102, 44, 3011201180, 15.46588, 1.169902),
+        (275, 142, 2199283268, 65.43694, 9.550122),
+    ],
     "nodes cease to hang": [
         (45, 16, 3846414515, 0, 0),
         (83, 30, 160972580, 17.65726, 0.7298104),
