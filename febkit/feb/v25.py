@@ -19,6 +19,7 @@ from .edit import (
     fresh,
     is_true,
     leaf,
+    listed,
     materials,
     pop,
     rename,
@@ -127,6 +128,20 @@ def geometry_up(root: Tag, g: Tag, names: dict[str, str]) -> None:
         domains.children.append(Tag("ShellDomain" if shell else "SolidDomain", attrs, line=c.line, doc=c.doc))
     if domains.children:
         root.children.insert(root.children.index(g) + 1, domains)
+    _repeats(g)
+
+
+def _repeats(g: Tag) -> None:
+    """FEBio lets a set of nodes be given again; one that says the same counts once."""
+    known: dict[str, list[str]] = {}
+    for c in g.all("NodeSet"):
+        if c.all("NodeSet"):  # sets of sets
+            continue
+        rows = listed(c) + [w for q in (c, *c.all("node_list")) for w in q.text.replace(",", " ").split()]
+        name = c.get("name") or ""
+        if known.get(name) == rows:
+            g.children.remove(c)
+        known.setdefault(name, rows)
 
 
 def _plain(elem_type: str) -> str:

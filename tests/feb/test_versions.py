@@ -7,6 +7,7 @@ import pytest
 
 from febkit.feb import diff, read, read_bytes, to_bytes, validate
 from febkit.feb.convert import VERSIONS
+from febkit.model import InputError
 
 DATA = Path(__file__).parent / "data"
 FILES = {v: DATA / f"two_blocks_{v.replace('.', '')}.feb" for v in VERSIONS}
@@ -65,6 +66,18 @@ def test_what_a_version_cannot_say_is_listed():
     assert to_bytes(model, "3.0")[1] == []
     notes = to_bytes(model, "2.5")[1]
     assert len(notes) == 2 and any("load controller 1" in n for n in notes) and any("units" in n for n in notes)
+
+
+@pytest.mark.parametrize(("again", "sound"), [('<node id="1"/><node id="2"/>', True), ('<node id="2"/>', False)])
+def test_a_set_given_again_counts_once(again: str, sound: bool) -> None:
+    """FEBio 4.11 takes it in version 2.5; of two that differ conditions and loads would mean different ones there."""
+    first = '<NodeSet name="two"><node id="1"/><node id="2"/></NodeSet>'
+    text = FILES["2.5"].read_text().replace("</Geometry>", f'{first}<NodeSet name="two">{again}</NodeSet></Geometry>')
+    if sound:
+        assert read_bytes(text.encode()).mesh.node_sets["two"].nodes.tolist() == [0, 1]
+        return
+    with pytest.raises(InputError, match="defined twice"):
+        read_bytes(text.encode())
 
 
 @pytest.mark.parametrize("name", ["", ' name="Element thickness"'])
