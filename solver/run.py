@@ -107,6 +107,7 @@ class Run:
         self.count = 0  # time steps of the present analysis step
         self.saved_at = -1  # steps done as a state was saved last
         self.over = False  # were all steps solved?
+        self.doubted = False  # was warned of meshes on which the answer is not FEBio's?
         self.opened: dict[str, Any] = {}  # nodal values that the present analysis step began with
 
     @property
@@ -457,6 +458,9 @@ class Run:
 
     def _remesh(self, change: Change) -> None:
         """Go on with the problem on another mesh, whose elements begin at the deformation that the nodes have."""
+        if change.doubt and not self.doubted:
+            self.tell("warning", change.doubt)
+        self.doubted = self.doubted or bool(change.doubt)
         self.problem, self.state = change.problem, change.carry(self.state)
         self._make_groups()
         for g in self.groups:

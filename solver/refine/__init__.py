@@ -33,6 +33,14 @@ class Change:
     problem: Problem
     split: Split
 
+    @property
+    def doubt(self) -> str:
+        """What is to be warned of: where the answer is not FEBio's."""
+        if not self.split.hanging or not self.problem.layout.mixed:
+            return ""
+        return ("nodes hang on larger elements, and hand fluid on to the corners there; FEBio 4.11 loses it, and so "
+                "comes to another answer")  # fmt: skip
+
     def carry(self, old: State) -> State:
         """The state on the new mesh; new nodes begin without acceleration, as in FEBio."""
         s = State.at_rest(self.problem)

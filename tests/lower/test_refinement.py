@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +78,8 @@ def test_fluid_at_nodes_that_hang_goes_on(tmp_path: Path) -> None:
         text = text.replace('node_set="held" type="zero displacement">\n<x_dof>1</x_dof>\n<y_dof>1</y_dof>',
                             'node_set="base" type="zero displacement">')  # fmt: skip
         text = text.replace("</Mesh>", '<NodeSet name="base">1,10,19,28</NodeSet></Mesh>')
-        solved(tmp_path, text, name)
+        with nullcontext() if name == "whole" else pytest.warns(UserWarning, match="FEBio 4.11 loses it"):
+            solved(tmp_path, text, name)
         u[name] = at_nodes(tmp_path / f"{name}.xplt")
     both = [k for k in u["top"] if k in u["whole"]]
     assert len(both) >= 36 and len(u["top"]) < len(u["whole"])
