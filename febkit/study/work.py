@@ -115,7 +115,7 @@ def solve(job: Job) -> None:
 
 
 def _solved(job: Job, model: Model, said: list[str]) -> Result:
-    """One try. Raises SolveFailed where it takes longer than it may."""
+    """One try. Raises SolveFailed where it takes longer than it may, KeyboardInterrupt where it is interrupted."""
     import time
 
     from febkit.solver.run import Listener, Run
@@ -133,7 +133,10 @@ def _solved(job: Job, model: Model, said: list[str]) -> Result:
     threads = int(os.environ.get("FEBKIT_THREADS", "0"))
     listeners = [Limit()] if job.tried.limit else []
     paths = job.folder / RESULTS, job.folder / "run.log"
-    return run(model, *paths, threads=threads, warn=said.append, listeners=listeners)
+    result = run(model, *paths, threads=threads, warn=said.append, listeners=listeners)
+    if result.interrupted:
+        raise KeyboardInterrupt
+    return result
 
 
 def series(job: Job) -> None:

@@ -14,9 +14,11 @@ import pytest
 import xarray as xr
 
 import febkit
+import febkit.solving
 from febkit import feb, study, templates
 from febkit import materials as mt
 from febkit.model import Component, InputError, MeshData, Where
+from febkit.solver.run import Listener
 from febkit.study import work
 from febkit.study.again import smaller_steps
 from febkit.study.background import material_at, with_background
@@ -435,6 +437,24 @@ def test_a_solve_that_fails_is_tried_once_more_with_smaller_steps(tmp_path, monk
     failing, tries = {1}, []
     with pytest.raises(work.SolveFailed, match=r"^element 1 turned inside out$"):
         solved(tmp_path / "no", model, work.Try())
+
+
+def test_an_interrupted_solve_is_not_tried_once_more(tmp_path, monkeypatch):
+    """Ctrl-C within a solve ends it with what it has; the study ends there, rather than try smaller steps."""
+    real, tries = febkit.solving.solve, []
+
+    class CtrlC(Listener):
+        def iteration(self, run, it):
+            raise KeyboardInterrupt
+
+    def interrupted(*args, **more):
+        tries.append(args)
+        return real(*args, **more | {"listeners": [CtrlC()]})
+
+    monkeypatch.setattr("febkit.solving.solve", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solved(tmp_path / "once", pressed(tmp_path), work.Try(retry=True))
+    assert len(tries) == 1
 
 
 def test_smaller_steps_leave_what_else_follows_the_curve():
