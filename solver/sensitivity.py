@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -22,18 +23,22 @@ from numpy.typing import NDArray
 
 from .finite import NotFinite
 from .group import ElementFailure
+from .inverse import Inverse
 from .linear.base import LinearError, LinearSolver
+from .linear.krylov import matvec
 from .linear.pardiso import Pardiso
 from .newton import Counts
 from .problem import Problem
 from .run import Listener, Run
 from .step_state import StepState
 from .variation import Variation
+from .vectors import dot, norm
 
 Floats = NDArray[np.float64]
 STEP, BOTH = 1e-6, 1e-5  # delta over theta, where there is one variation for a parameter, and two
 MOST = 25  # corrections in a step
 PAIRS = 12  # the last ones are kept
+LEARNT = 4  # corrections of each that the tangent is asked about, where the factorisation is another one's
 SLOW = 0.005  # of an error that a correction may leave, though the last one left less
 NOISE = 1e-14  # of positions and other unknowns, as large as they were: what is within it over delta counts as nothing
 HIDDEN = 1e-12  # of them: changes within it are too rough to learn from
@@ -59,27 +64,35 @@ def refusal(problem: Problem) -> str:
 
 @dataclass(eq=False)
 class _Search:
-    """One variation's way to the run's residual: y, the correction that M^-1 makes of the difference; u, the one taken;
-    ``left``: relative sizes of y so far; ``rate``: what a correction leaves of them."""
+    """One variation's way to the run's residual: y, the correction that M^-1 makes of the difference, w the weights of
+    its fields; u, the one taken, and what of y it leaves by the tangent, where M is not that (``rest``); ``left``:
+    relative sizes of y so far; ``rate``: what a correction leaves of them."""
 
     of: Variation
     rate: float
     left: list[float] = field(default_factory=list)
     y: Floats = field(default_factory=lambda: np.zeros(0))
+    w: list[float] = field(default_factory=list)
     u: Floats = field(default_factory=lambda: np.zeros(0))
+    rest: float = 0.0
 
-    def correct(self, u: Floats, e: float) -> None:
+    def plan(self, pairs: _Pairs) -> float:
+        """Choose the correction that the pairs lead to; what it leaves of y."""
+        self.u, rest = pairs.corrected(self.y, self.w)
+        return rest
+
+    def aim(self, y: Floats, w: list[float], e: float) -> None:
+        """Take in a correction y of relative size e."""
         if self.left and self.left[-1] > 0.0:
             self.rate = e / self.left[-1]
         self.left.append(e)
-        self.u = u
-        self.of.correct(u)
+        self.y, self.w = y, w
 
     def ended(self, tolerance: float) -> bool:
         """Is the error small enough once corrected, or as small as rounding lets it be?"""
         e = self.left[-1]
         stuck = e <= 0.1 * LOST and len(self.left) > 2 and e > 0.5 * self.left[-3]
-        return stuck or e * min(max(self.rate, SLOW), 1.0) <= tolerance
+        return stuck or max(e * min(max(self.rate, SLOW), 1.0), self.rest) <= tolerance
 
 
 class Sensitivities(Listener):
@@ -114,7 +127,7 @@ class Sensitivities(Listener):
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))
-        self._begun, self._made = False, -1
+        self._begun = False
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
 
@@ -132,10 +145,10 @@ class Sensitivities(Listener):
         self.steps[-1].append((run.state.time, run.stepper.at_must_point))
         if not run.newton.augments:
             self._follow(run)
-        far = JUMP * np.linalg.norm(_unknowns(run))
+        far = JUMP * norm(_unknowns(run))
         for v in self.live:
             v.end()
-            if abs(v.delta) * np.linalg.norm(v.grown) > far:
+            if abs(v.delta) * norm(v.grown) > far:
                 v.lost = f"the answer jumps with the parameter, at time {run.state.time:g}"
         self._begun = False
 
@@ -180,63 +193,87 @@ class Sensitivities(Listener):
         """Bring the variations to the run's residual."""
         assert run.system is not None
         R, U, inverse = run.system.residual()[run.newton.rows], _unknowns(run), run.newton.inverse
-        fresh, self._made = inverse.made != self._made, inverse.made
         # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
-        self._sizes = np.maximum(self._sizes, [np.linalg.norm(U[own]) for own in self._fields])
-        pairs, active = _Pairs(U), {v: _Search(v, v.usual if fresh else 1.0) for v in self.live}
+        self._sizes = np.maximum(self._sizes, [norm(U[own]) for own in self._fields])
+        pairs, active = _Pairs(U, self._fields), {v: _Search(v, v.usual) for v in self.live}
         for _ in range(MOST):
             found = _each(active, lambda v: (v.look() - R) / v.delta)
             self.passes += len(found)
-            for v, y in zip(found, solve_all(inverse.solver, np.array(list(found.values())))):
-                if active[v].left:
-                    pairs.add(active[v].u, active[v].y - y, v.delta)
-                active[v].y = y
-            for v in found:
-                w, y = self._weights(v, active[v].y), active[v].y
-                active[v].correct(pairs.corrected(y, w), float(np.linalg.norm(w * y)))
-                if active[v].ended(self.tolerance) and fresh:
-                    v.usual = active[v].rate
-            active = {v: active[v] for v in found if not active[v].ended(self.tolerance)}
+            active = {v: active[v] for v in found}
+            for s, y in zip(active.values(), solve_all(inverse.solver, np.array(list(found.values())))):
+                if s.left:
+                    pairs.add(s.u, s.y - y, s.of.delta)
+                s.aim(y, *self._weights(s.of, y))
+            self._approach(active, pairs, inverse)
+            for s in active.values():
+                s.plan(pairs)
+                s.of.correct(s.u)
+                if s.ended(self.tolerance):
+                    s.of.usual = s.rate
+            active = {v: s for v, s in active.items() if not s.ended(self.tolerance)}
             if not active:
                 break
-        for v, search in active.items():
-            if search.left[-1] > LOST:
-                v.lost = f"its equations are not solved to better than {search.left[-1]:.2g}, at time {v.state.time:g}"
+        for v, s in active.items():
+            if s.left[-1] > LOST:
+                v.lost = f"its equations are not solved to better than {s.left[-1]:.2g}, at time {v.state.time:g}"
         _each(self.live, Variation.stay)
 
-    def _weights(self, v: Variation, y: Floats) -> Floats:
-        """Weights (row,) that make the norm of a correction relative, field by field."""
-        x, w, least = v.grown + v.x + y, np.zeros(len(y)), NOISE / self.tolerance / abs(v.delta)
-        for own, whole in zip(self._fields, self._sizes):
-            size = max(float(np.linalg.norm(x[own])), least * whole)
-            w[own] = 1.0 / size if size > 0.0 else 0.0
-        return w
+    def _approach(self, searches: dict[Variation, _Search], pairs: _Pairs, inverse: Inverse) -> None:
+        """Where the factorisation is not that of the tangent, learn from the tangent what it lacks."""
+        left = [] if inverse.apart is None else list(searches.values())
+        for _ in range(LEARNT):
+            for s in left:
+                s.rest = s.plan(pairs)
+            left = [s for s in left if s.rest > max(0.5 * self.tolerance, s.rate * s.left[-1])]
+            if not left:
+                return
+            for s, z in zip(left, solve_all(inverse.solver, np.array([matvec(inverse.apart, s.u) for s in left]))):
+                pairs.add(s.u, z, s.of.delta)
+
+    def _weights(self, v: Variation, y: Floats) -> tuple[list[float], float]:
+        """Of each field, what makes the norm of a correction relative; that of y."""
+        x, least = v.grown + v.x + y, NOISE / self.tolerance / abs(v.delta)
+        sizes = [max(norm(x[own]), least * whole) for own, whole in zip(self._fields, self._sizes)]
+        w = [1.0 / size if size > 0.0 else 0.0 for size in sizes]
+        return w, hypot(*(c * norm(y[own]) for c, own in zip(w, self._fields)))
 
 
 class _Pairs:
-    """Corrections d and what they changed, M^-1 (R - R1) = Z: an inverse that is better than M^-1. Both are kept as the
-    variations hold them, times delta: so rounding is the same in all."""
+    """Corrections d and what they change, M^-1 (R - R1) = Z: an inverse that is better than M^-1. Both are kept as the
+    variations hold them, times delta: so rounding is the same in all. Norms are weighted field by field."""
 
-    def __init__(self, U: Floats) -> None:
-        self._U, self._count = U, 0
-        self._d, self._Z = np.zeros((PAIRS, len(U))), np.zeros((PAIRS, len(U)))
+    def __init__(self, U: Floats, fields: list[NDArray[np.int64]]) -> None:
+        self._fields, self._count = fields, 0
+        self._sizes = [norm(U[own]) for own in fields]
+        self._more: list[Floats] = []  # d - Z
+        self._Z: list[list[Floats]] = []  # of each field
+        self._products = np.zeros((len(fields), PAIRS, PAIRS))  # Z Z^T
 
     def add(self, d: Floats, Z: Floats, delta: float) -> None:
         k = self._count % PAIRS
-        np.multiply(d, delta, out=self._d[k])
-        np.multiply(Z, delta, out=self._Z[k])
+        self._more[k:] = [delta * (d - Z), *self._more[k + 1 :]]
+        self._Z[k:] = [[delta * Z[own] for own in self._fields], *self._Z[k + 1 :]]
         self._count += 1
+        for products, new, *others in zip(self._products, self._Z[k], *self._Z):
+            products[k, : len(others)] = products[: len(others), k] = [dot(new, z) for z in others]
 
-    def corrected(self, y: Floats, w: Floats) -> Floats:
-        """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides."""
-        if not self._count:
-            return y
-        d, Z = self._d[: self._count], self._Z[: self._count]
-        A = w * Z
-        square, V = np.linalg.eigh(A @ A.T)
-        sound = square > max((HIDDEN * np.linalg.norm(w * self._U)) ** 2, 1e-13 * square[-1])
-        g = V[:, sound] @ ((V[:, sound].T @ (A @ (w * y))) / square[sound])
-        return np.asarray(y + g @ d - g @ Z)
+    def corrected(self, y: Floats, w: list[float]) -> tuple[Floats, float]:
+        """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides; what it
+        leaves of w y."""
+        parts = [y[own] for own in self._fields]
+        whole = sum((c * norm(q)) ** 2 for c, q in zip(w, parts))
+        k = len(self._Z)
+        if not k:
+            return y, whole**0.5
+        hidden = HIDDEN**2 * sum((c * size) ** 2 for c, size in zip(w, self._sizes))
+        square, V = np.linalg.eigh(sum(c * c * G[:k, :k] for c, G in zip(w, self._products)))
+        b = V.T @ [sum(c * c * dot(z, q) for c, z, q in zip(w, Z, parts)) for Z in self._Z]
+        sound = square > max(hidden, 1e-13 * square[-1])
+        g = V[:, sound] @ (b[sound] / square[sound])
+        out = y.copy()
+        for c, more in zip(g, self._more):
+            out += c * more
+        return out, max(whole - float(np.sum(b[sound] ** 2 / square[sound])), 0.0) ** 0.5
 
 
 def _unknowns(run: Run) -> Floats:

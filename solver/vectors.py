@@ -1,6 +1,8 @@
-"""Inner products of long vectors on one thread: BLAS would wake its own threads for each."""
+"""Inner products and norms of long vectors on one thread: BLAS would wake its own threads for each."""
 
 from __future__ import annotations
+
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,3 +13,8 @@ from .kernels.vectors import inner
 def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     """a . b"""
     return inner(a, b)
+
+
+def norm(a: NDArray[np.float64]) -> float:
+    """|a|"""
+    return sqrt(inner(a, a))

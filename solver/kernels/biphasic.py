@@ -15,21 +15,44 @@ from .solid import add_point_stiffness, gradients, inverse_map
 @kernel
 def pressures(lo, hi, conn, N, dN, iJ0, F, J, p, pg, gp):
     """Fluid pressure pg (m, g) and its spatial gradient gp (m, g, 3) of elements lo:hi."""
-    nen = conn.shape[1]
+    ng, nen = dN.shape[0], conn.shape[1]
+    D, A = np.empty((nen, 4 * ng)), np.empty(4 * ng)  # natural gradients and N of all points side by side
+    for g in range(ng):
+        for a in range(nen):
+            for k in range(3):
+                D[a, 4 * g + k] = dN[g, a, k]
+            D[a, 4 * g + 3] = N[g, a]
     for e in range(lo, hi):
-        for g in range(dN.shape[0]):
-            m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
-            v = x = y = z = 0.0
-            for a in range(nen):
-                q = p[conn[e, a]]
-                v += N[g, a] * q
-                x += dN[g, a, 0] * q
-                y += dN[g, a, 1] * q
-                z += dN[g, a, 2] * q
-            pg[e, g] = v
-            gp[e, g, 0] = x * m00 + y * m10 + z * m20
-            gp[e, g, 1] = x * m01 + y * m11 + z * m21
-            gp[e, g, 2] = x * m02 + y * m12 + z * m22
+        A[:] = 0.0
+        for a in range(nen):
+            q = p[conn[e, a]]
+            for r in range(4 * ng):
+                A[r] += q * D[a, r]
+        for g in range(ng):
+            x, y, z = A[4 * g], A[4 * g + 1], A[4 * g + 2]
+            k, f, d = iJ0[e, g], F[e, g], 1.0 / J[e, g]
+            # the gradient in the reference, then F^-T of it
+            x, y, z = (
+                (x * k[0, 0] + y * k[1, 0] + z * k[2, 0]) * d,
+                (x * k[0, 1] + y * k[1, 1] + z * k[2, 1]) * d,
+                (x * k[0, 2] + y * k[1, 2] + z * k[2, 2]) * d,
+            )
+            pg[e, g] = A[4 * g + 3]
+            gp[e, g, 0] = (
+                x * (f[1, 1] * f[2, 2] - f[1, 2] * f[2, 1])
+                + y * (f[1, 2] * f[2, 0] - f[1, 0] * f[2, 2])
+                + z * (f[1, 0] * f[2, 1] - f[1, 1] * f[2, 0])
+            )
+            gp[e, g, 1] = (
+                x * (f[0, 2] * f[2, 1] - f[0, 1] * f[2, 2])
+                + y * (f[0, 0] * f[2, 2] - f[0, 2] * f[2, 0])
+                + z * (f[0, 1] * f[2, 0] - f[0, 0] * f[2, 1])
+            )
+            gp[e, g, 2] = (
+                x * (f[0, 1] * f[1, 2] - f[0, 2] * f[1, 1])
+                + y * (f[0, 2] * f[1, 0] - f[0, 0] * f[1, 2])
+                + z * (f[0, 0] * f[1, 1] - f[0, 1] * f[1, 0])
+            )
 
 
 @kernel

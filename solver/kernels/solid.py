@@ -63,28 +63,29 @@ def kinematics(lo, hi, u, conn, dN, iJ0, F, J):
     Returns the first element with J <= 0, or -1.
     """
     bad = -1
-    nen = conn.shape[1]
+    ng, nen = dN.shape[0], conn.shape[1]
+    D, A = np.empty((nen, 3 * ng)), np.empty((3, 3 * ng))  # natural gradients of all points side by side
+    for g in range(ng):
+        for a in range(nen):
+            for k in range(3):
+                D[a, 3 * g + k] = dN[g, a, k]
     for e in range(lo, hi):
-        for g in range(dN.shape[0]):
-            a00 = a01 = a02 = a10 = a11 = a12 = a20 = a21 = a22 = 0.0
-            for a in range(nen):
-                n = conn[e, a]
-                p, v, q = u[n, 0], u[n, 1], u[n, 2]
-                r, s, t = dN[g, a, 0], dN[g, a, 1], dN[g, a, 2]
-                a00 += p * r
-                a01 += p * s
-                a02 += p * t
-                a10 += v * r
-                a11 += v * s
-                a12 += v * t
-                a20 += q * r
-                a21 += q * s
-                a22 += q * t
+        A[:] = 0.0
+        for a in range(nen):
+            n = conn[e, a]
+            p, v, q = u[n, 0], u[n, 1], u[n, 2]
+            for r in range(3 * ng):
+                d = D[a, r]
+                A[0, r] += p * d
+                A[1, r] += v * d
+                A[2, r] += q * d
+        for g in range(ng):
+            r = 3 * g
             for j in range(3):
                 k0, k1, k2 = iJ0[e, g, 0, j], iJ0[e, g, 1, j], iJ0[e, g, 2, j]
-                F[e, g, 0, j] = a00 * k0 + a01 * k1 + a02 * k2
-                F[e, g, 1, j] = a10 * k0 + a11 * k1 + a12 * k2
-                F[e, g, 2, j] = a20 * k0 + a21 * k1 + a22 * k2
+                F[e, g, 0, j] = A[0, r] * k0 + A[0, r + 1] * k1 + A[0, r + 2] * k2
+                F[e, g, 1, j] = A[1, r] * k0 + A[1, r + 1] * k1 + A[1, r + 2] * k2
+                F[e, g, 2, j] = A[2, r] * k0 + A[2, r + 1] * k1 + A[2, r + 2] * k2
                 F[e, g, j, j] += 1.0
             f = F[e, g]
             det = (
