@@ -77,6 +77,7 @@ class Newton:
         self.convergence = Convergence(system, self.options)
         self.rows, self.given = system.eqs.rows, system.eqs.given
         self.total = system.gather(system.state.d).copy()
+        self.left = np.zeros_like(self.total)  # the residual that the last iteration left
         self.count = Counts()
         self.calm = 0  # steps since one that was hard
         self.steps = 0  # that were solved
@@ -197,6 +198,7 @@ class Newton:
     def judge(self, u: Floats, s: float, R0: Floats, R1: Floats, updates: int) -> tuple[dict[str, Norm], bool]:
         """Take the step s u from residual R0 to R1; report its norms, and whether they are small enough."""
         k = self.count
+        self.left = R1
         self.increment = self.system.compose(self.increment, s * u)
         self.system.settle()
         report, converged = self.convergence.test(u, s, R0, R1, self.increment)

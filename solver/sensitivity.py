@@ -127,7 +127,7 @@ class Sensitivities(Listener):
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))
-        self._begun = False
+        self._begun, self._far = False, 0.0
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
 
@@ -145,7 +145,7 @@ class Sensitivities(Listener):
         self.steps[-1].append((run.state.time, run.stepper.at_must_point))
         if not run.newton.augments:
             self._follow(run)
-        far = JUMP * norm(_unknowns(run))
+        far = JUMP * self._far
         for v in self.live:
             v.end()
             if abs(v.delta) * norm(v.grown) > far:
@@ -192,9 +192,10 @@ class Sensitivities(Listener):
     def _match(self, run: Run) -> None:
         """Bring the variations to the run's residual."""
         assert run.system is not None
-        R, U, inverse = run.system.residual()[run.newton.rows], _unknowns(run), run.newton.inverse
+        R, U, inverse = run.newton.left[run.newton.rows], _unknowns(run), run.newton.inverse
         # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
         self._sizes = np.maximum(self._sizes, [norm(U[own]) for own in self._fields])
+        self._far = norm(U)
         pairs, active = _Pairs(U, self._fields), {v: _Search(v, v.usual) for v in self.live}
         for _ in range(MOST):
             found = _each(active, lambda v: (v.look() - R) / v.delta)

@@ -138,8 +138,8 @@ class Variation(Run):
 
     def end(self) -> None:
         """The time step ends."""
-        self._past = [*self._past[-2:], (self.state.dt, self.x)]
-        self.grown = self.grown + self.x
+        self._past = [*self._past[-2:], (self.state.dt, self._last)]
+        self.grown = self.grown + self._last
         self.newton.finish()
 
     def show(self) -> None:

@@ -108,7 +108,9 @@ class Sensitivity:
                 data, stopped = self._difference(p)
                 why[k] += f"; the runs beside stopped: {stopped}" * bool(stopped)
                 part = held(data).load() if data else None
-            parts.append(None if part is None else part.reindex(time=base["time"]))
+            if part is not None and not np.array_equal(part["time"], base["time"]):
+                part = part.reindex(time=base["time"])
+            parts.append(part)
         names = [n for n, v in base.data_vars.items() if "time" in v.dims and v.dtype.kind == "f"]
         fields = {}
         for n in names:

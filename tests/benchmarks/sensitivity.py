@@ -25,6 +25,7 @@ def seconds(m: febkit.Model, **options: Any) -> float:
     start = time.process_time()
     result = m.solve(variables=KEPT, threads=1, warn=lambda _: None, **options)
     assert result.converged, result.reason
+    assert "displacement" in result.dataset
     if "sensitivity" in options:
         assert set(result.sensitivity["method"].values) == {"direct"}
     return time.process_time() - start
