@@ -57,7 +57,6 @@ class Inverse:
         self._A: Matrix | None = None
         self._dt = 0.0
         self._inner = False  # K^-1 by GMRES
-        self.apart: Matrix | None = None  # the present tangent, where the solver has another one's factorisation
         self.made = 0
         self.remembers = self.serves = False  # are there checkpoints; do factorisations serve later steps?
 
@@ -73,7 +72,7 @@ class Inverse:
             f = min(self._kept, key=lambda f: f.used)
         f.dt = dt
         self._use(f)
-        self._A, self._dt, self._inner, self.apart = A, dt, False, None
+        self._A, self._dt, self._inner = A, dt, False
         with self._clock("factorisation"):
             self.solver.factor(A)
         self.made += 1
@@ -86,7 +85,7 @@ class Inverse:
         if f is None:
             return False
         self._use(f)
-        self._A, self._dt, self._inner, self.apart = A, dt, True, A
+        self._A, self._dt, self._inner = A, dt, True
         return True
 
     def near(self, dt: float, most: float = REUSE_RATIO) -> Factor | None:
@@ -98,7 +97,7 @@ class Inverse:
     def lean_on(self, f: Factor, A: Matrix, dt: float, b: Floats) -> tuple[Floats | None, Floats]:
         """Let f stand in for the inverse of A: K^-1 b to a few per cent (None where it does not serve), and M^-1 b."""
         self._use(f)
-        self._A, self._dt, self._inner, self.apart = A, dt, False, A
+        self._A, self._dt, self._inner = A, dt, False
         with self._clock("linear solves"):
             x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST)
         return (x if error < TOLERANCE else None), z

@@ -23,9 +23,7 @@ from numpy.typing import NDArray
 
 from .finite import NotFinite
 from .group import ElementFailure
-from .inverse import Inverse
 from .linear.base import LinearError, LinearSolver
-from .linear.krylov import matvec
 from .linear.pardiso import Pardiso
 from .newton import Counts
 from .problem import Problem
@@ -38,7 +36,6 @@ Floats = NDArray[np.float64]
 STEP, BOTH = 1e-6, 1e-5  # delta over theta, where there is one variation for a parameter, and two
 MOST = 25  # corrections in a step
 PAIRS = 12  # the last ones are kept
-LEARNT = 4  # corrections of each that the tangent is asked about, where the factorisation is another one's
 SLOW = 0.005  # of an error that a correction may leave, though the last one left less
 NOISE = 1e-14  # of positions and other unknowns, as large as they were: what is within it over delta counts as nothing
 HIDDEN = 1e-12  # of them: changes within it are too rough to learn from
@@ -65,8 +62,7 @@ def refusal(problem: Problem) -> str:
 @dataclass(eq=False)
 class _Search:
     """One variation's way to the run's residual: y, the correction that M^-1 makes of the difference, w the weights of
-    its fields; u, the one taken, and what of y it leaves by the tangent, where M is not that (``rest``); ``left``:
-    relative sizes of y so far; ``rate``: what a correction leaves of them."""
+    its fields; u, the one taken; ``left``: relative sizes of y so far; ``rate``: what a correction leaves of them."""
 
     of: Variation
     rate: float
@@ -74,12 +70,6 @@ class _Search:
     y: Floats = field(default_factory=lambda: np.zeros(0))
     w: list[float] = field(default_factory=list)
     u: Floats = field(default_factory=lambda: np.zeros(0))
-    rest: float = 0.0
-
-    def plan(self, pairs: _Pairs) -> float:
-        """Choose the correction that the pairs lead to; what it leaves of y."""
-        self.u, rest = pairs.corrected(self.y, self.w)
-        return rest
 
     def aim(self, y: Floats, w: list[float], e: float) -> None:
         """Take in a correction y of relative size e."""
@@ -92,7 +82,7 @@ class _Search:
         """Is the error small enough once corrected, or as small as rounding lets it be?"""
         e = self.left[-1]
         stuck = e <= 0.1 * LOST and len(self.left) > 2 and e > 0.5 * self.left[-3]
-        return stuck or max(e * min(max(self.rate, SLOW), 1.0), self.rest) <= tolerance
+        return stuck or e * min(max(self.rate, SLOW), 1.0) <= tolerance
 
 
 class Sensitivities(Listener):
@@ -127,7 +117,7 @@ class Sensitivities(Listener):
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))
-        self._begun, self._far = False, 0.0
+        self._begun, self._made, self._far = False, -1, 0.0
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
 
@@ -193,10 +183,11 @@ class Sensitivities(Listener):
         """Bring the variations to the run's residual."""
         assert run.system is not None
         R, U, inverse = run.newton.left[run.newton.rows], _unknowns(run), run.newton.inverse
+        fresh, self._made = inverse.made != self._made, inverse.made
         # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
         self._sizes = np.maximum(self._sizes, [norm(U[own]) for own in self._fields])
         self._far = norm(U)
-        pairs, active = _Pairs(U, self._fields), {v: _Search(v, v.usual) for v in self.live}
+        pairs, active = _Pairs(U, self._fields), {v: _Search(v, v.usual if fresh else 1.0) for v in self.live}
         for _ in range(MOST):
             found = _each(active, lambda v: (v.look() - R) / v.delta)
             self.passes += len(found)
@@ -205,11 +196,10 @@ class Sensitivities(Listener):
                 if s.left:
                     pairs.add(s.u, s.y - y, s.of.delta)
                 s.aim(y, *self._weights(s.of, y))
-            self._approach(active, pairs, inverse)
             for s in active.values():
-                s.plan(pairs)
+                s.u = pairs.corrected(s.y, s.w)
                 s.of.correct(s.u)
-                if s.ended(self.tolerance):
+                if s.ended(self.tolerance) and fresh:
                     s.of.usual = s.rate
             active = {v: s for v, s in active.items() if not s.ended(self.tolerance)}
             if not active:
@@ -218,18 +208,6 @@ class Sensitivities(Listener):
             if s.left[-1] > LOST:
                 v.lost = f"its equations are not solved to better than {s.left[-1]:.2g}, at time {v.state.time:g}"
         _each(self.live, Variation.stay)
-
-    def _approach(self, searches: dict[Variation, _Search], pairs: _Pairs, inverse: Inverse) -> None:
-        """Where the factorisation is not that of the tangent, learn from the tangent what it lacks."""
-        left = [] if inverse.apart is None else list(searches.values())
-        for _ in range(LEARNT):
-            for s in left:
-                s.rest = s.plan(pairs)
-            left = [s for s in left if s.rest > max(0.5 * self.tolerance, s.rate * s.left[-1])]
-            if not left:
-                return
-            for s, z in zip(left, solve_all(inverse.solver, np.array([matvec(inverse.apart, s.u) for s in left]))):
-                pairs.add(s.u, z, s.of.delta)
 
     def _weights(self, v: Variation, y: Floats) -> tuple[list[float], float]:
         """Of each field, what makes the norm of a correction relative; that of y."""
@@ -258,14 +236,11 @@ class _Pairs:
         for products, new, *others in zip(self._products, self._Z[k], *self._Z):
             products[k, : len(others)] = products[: len(others), k] = [dot(new, z) for z in others]
 
-    def corrected(self, y: Floats, w: list[float]) -> tuple[Floats, float]:
-        """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides; what it
-        leaves of w y."""
-        parts = [y[own] for own in self._fields]
-        whole = sum((c * norm(q)) ** 2 for c, q in zip(w, parts))
-        k = len(self._Z)
+    def corrected(self, y: Floats, w: list[float]) -> Floats:
+        """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides."""
+        k, parts = len(self._Z), [y[own] for own in self._fields]
         if not k:
-            return y, whole**0.5
+            return y
         hidden = HIDDEN**2 * sum((c * size) ** 2 for c, size in zip(w, self._sizes))
         square, V = np.linalg.eigh(sum(c * c * G[:k, :k] for c, G in zip(w, self._products)))
         b = V.T @ [sum(c * c * dot(z, q) for c, z, q in zip(w, Z, parts)) for Z in self._Z]
@@ -274,7 +249,7 @@ class _Pairs:
         out = y.copy()
         for c, more in zip(g, self._more):
             out += c * more
-        return out, max(whole - float(np.sum(b[sound] ** 2 / square[sound])), 0.0) ** 0.5
+        return out
 
 
 def _unknowns(run: Run) -> Floats:
