@@ -67,11 +67,16 @@ def _keep_apart(outputs: tuple[Path | None, ...], inputs: list[Path], force: boo
 
 def _of_toml(path: Path, threads: int, silent: bool, outputs: tuple[Path | None, ...], force: bool) -> Fit:
     from febkit.fitting import fit, toml
+    from febkit.model import InputError
 
     asked = toml.read(path)
     named = [f for e in asked.experiments for f in (e.model, e.data) if isinstance(f, Path)]
     _keep_apart(outputs, [path, *named], force)
-    return fit(asked.experiments, asked.parameters, progress=not silent, threads=threads, **asked.options)
+    try:
+        return fit(asked.experiments, asked.parameters, progress=not silent, threads=threads, **asked.options)
+    except InputError as e:
+        own = [n for x in asked.experiments for n in [*x.parameters, *x.settings]]
+        raise toml.placed(e, path, [*asked.parameters, *own]) from None
 
 
 def _of_febio(path: Path, model: Path, log: Path, threads: int, silent: bool) -> Fit:

@@ -50,6 +50,7 @@ def command(
     some did not solve: they are NaN in the dataset, and say why.
     """
     process.one_blas_thread()
+    from febkit.model import InputError, Where
     from febkit.sampling.design import told
     from febkit.sampling.sweep import make_sweep, plan
     from febkit.study.config import Resources
@@ -60,8 +61,13 @@ def command(
     folder = folder or model.with_suffix(".sweep")
     output = output or folder / FILE
     over = dict(map(told, vary))
+    if len(over) < len(vary):
+        raise exits.Refused("--vary: a path is given twice; each takes one range")
     times = None if at is None else _times(at)
-    s = make_sweep(model, over, observe, samples=samples, design=design, seed=seed, at=times, threads=threads)
+    try:
+        s = make_sweep(model, over, observe, samples=samples, design=design, seed=seed, at=times, threads=threads)
+    except InputError as e:
+        raise e if e.where is not None else InputError(e.message, Where(str(model))) from None
     work = plan(s, folder, Resources(threads, memory, workers))
     summary = carry_out(work, scheduler) if quiet else with_progress(work, scheduler)
     result = work.result({o.key: o.message for o in summary.failed})

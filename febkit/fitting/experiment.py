@@ -117,6 +117,12 @@ class Measured:
             return None
         if times[0] < 0:
             raise InputError(f"{self.name}: data before time 0 ({times[0]:g})")
+        from febkit.modelling.solution import last
+
+        end = last(self.model.record)
+        if times[-1] > end * (1.0 + 1e-6):
+            raise InputError(f"{self.name}: data lie at {times[0]:g} to {times[-1]:g}, the run's end at {end:g}: leave "
+                             "out what it does not come to")  # fmt: skip
         fixed = any(s.control is not None and s.control.child("time_stepper") is None for s in self.model.record.steps)
         return None if fixed and meet is None else times.tolist()
 

@@ -69,6 +69,10 @@ def fit(
     for m in measured:
         for path in every.settings(every.values(every.start), m.name):
             _is_number(m, path)
+    count = sum(len(m.y) for m in measured)
+    if count < len(every):
+        raise InputError(f"{len(every)} parameters ({', '.join(every.names)}) cannot be told from {count} values of "
+                         "data: fix some of them, or give more data")  # fmt: skip
     problem = Problem(every, measured, step=step, most=most, tell=tell)
     if not progress:
         return _carried_out(problem, method, tolerance, seed)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from febkit.model import InputError
-from febkit.study.entries import Entries, load
+from febkit.model import InputError, Where
+from febkit.study.entries import Entries, entry, load
 
 from .experiment import Experiment
 from .parameters import Parameter, Spec
@@ -47,6 +47,15 @@ def read(path: str | Path) -> Asked:
     return Asked([_experiment(t, path.parent) for t in tables], _parameters(top.table("parameters")), options)
 
 
+def placed(e: InputError, path: str | Path, names: Iterable[Any]) -> InputError:
+    """An error of what the file asks for, with the line of the entry that it tells of, as far as that is known."""
+    if e.where is not None:
+        return e
+    told = [n for name in names for n in ([name] if isinstance(name, str) else name) if n in e.message]
+    where = entry(Where(str(path)), max(told, key=len), "parameters") if told else Where(str(path))
+    return InputError(e.message, where)
+
+
 def _experiment(t: Entries, base: Path) -> Experiment:
     t.only((*EXPERIMENT, "name", "parameters"))
     for key in ("model", "data", "observe"):
@@ -59,7 +68,7 @@ def _experiment(t: Entries, base: Path) -> Experiment:
     settings = t.table("settings").given
     for k, v in settings.items():
         if isinstance(v, bool) or not isinstance(v, int | float):
-            raise InputError(f"settings: {k} must be a number, not {v!r}", t.where)
+            raise InputError(f"settings: {k} must be a number, not {v!r}", t.at(k))
     return Experiment(
         base / t.text("model", ""), base / t.text("data", ""), observe, t.given.get("against"), t.given.get("sigma"),
         _parameters(t.table("parameters")), settings, t.text("name", "experiment") if "name" in t.given else "",
@@ -80,7 +89,7 @@ def _parameter(t: Entries, name: str) -> Spec:
         v = dict(zip(("low", "start", "high"), v)) if len(v) == 3 else {}
     if not isinstance(v, Mapping) or not {"low", "start", "high"} <= v.keys():
         raise t.refuse(name, "[low, start, high], a table with low, start and high, or a formula")
-    own = Entries(v, t.where, name)
+    own = Entries(v, t.at(name), name)
     own.only(NUMBERS)
     for key in ("low", "start", "high", "scale"):
         if key in v and (isinstance(v[key], bool) or not isinstance(v[key], int | float)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from febkit.model import InputError, Output, PlotVariable
+from febkit.model import Component, InputError, Output, PlotVariable
 from febkit.model import Model as Record
 
 if TYPE_CHECKING:
@@ -157,6 +158,16 @@ def picked(ds: xr.Dataset, at: Sequence[float] | None) -> xr.Dataset:
     return ds.isel(time=np.flatnonzero(near))
 
 
+def last(model: Record) -> float:
+    """The time at which a model's steps end (inf where one has no control)."""
+
+    def length(c: Component) -> float:
+        n = c.int("time_steps", 10)
+        return c.float("final_time", 0.0) if n == -1 else n * c.float("step_size", 0.1)
+
+    return sum((math.inf if s.control is None else length(s.control) for s in model.steps), 0.0)
+
+
 def kept_at(model: Record, times: Sequence[float]) -> Record:
     """The model with must points at ``times`` in all its steps, and states kept at must points alone."""
     from febkit.coupling.boundary import with_must_points
@@ -164,6 +175,9 @@ def kept_at(model: Record, times: Sequence[float]) -> Record:
     t = np.unique(np.asarray(times, dtype=float))
     if not len(t) or not np.isfinite(t).all() or t[0] < 0:
         raise InputError("at= takes times from 0 on")
+    end = last(model)
+    if t[-1] > end * (1.0 + 1e-6):
+        raise InputError(f"the time {t[-1]:g} is asked for, and the model's steps end at {end:g}")
     changed, said = with_must_points(model, t)
     if any("fixed size" in line for line in said):
         raise InputError("a step of fixed size meets no times of its own: give its control a time stepper")

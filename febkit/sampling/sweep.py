@@ -63,6 +63,7 @@ def make_sweep(
 ) -> Sweep:  # fmt: skip
     """Check all that can be checked before anything is solved. Raises InputError."""
     from febkit.modelling import Model
+    from febkit.modelling.solution import kept_at
 
     m = Model.read(model) if isinstance(model, (str, os.PathLike)) else Model.of(model)
     over, chosen = ranges(vary, m), observing.observables(observe)
@@ -71,6 +72,8 @@ def make_sweep(
     wanted = observing.variables(chosen, m.record)
     observing.check(chosen, m.record, wanted)
     times = None if at is None else [float(t) for t in at]
+    if times is not None:
+        kept_at(m.record, times)
     return Sweep(m, over, points(over, samples, design, seed), chosen, wanted, times, design, seed, threads)
 
 

@@ -23,6 +23,21 @@ def load(path: Path, what: str) -> tuple[dict[str, Any], Where]:
         raise InputError(f"not well-formed TOML: {e}", where) from None
 
 
+def entry(where: Where, key: str, table: str = "") -> Where:
+    """Where the file has an entry, first below the heading of its table; the file alone where it has none so spelt."""
+    try:
+        lines = Path(where.file).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return where
+    heads = [line.strip().strip("[] ") for line in lines]
+    first = heads.index(table) if table in heads else 0
+    for number, line in enumerate(lines[first:], first + 1):
+        head, equals, _ = line.partition("=")
+        if equals and head.strip().strip("\"'") == key:
+            return Where(where.file, number)
+    return where
+
+
 class Entries:
     """A table of a file, which is ``what``: ``name`` is "" for the file itself. :meth:`only` refuses what it does not
     know."""
@@ -36,11 +51,15 @@ class Entries:
             if key not in known:
                 place = f"[{self.name}]" if self.name else self.what
                 hint = near(key, known) or f"; it may have {', '.join(known)}"
-                raise InputError(f"unknown entry {key!r} in {place}{hint}", self.where)
+                raise InputError(f"unknown entry {key!r} in {place}{hint}", self.at(key))
 
     def refuse(self, key: str, must: str) -> InputError:
         of = f" of [{self.name}]" if self.name else ""
-        return InputError(f"{key}{of} must be {must}, not {self.given[key]!r}", self.where)
+        return InputError(f"{key}{of} must be {must}, not {self.given[key]!r}", self.at(key))
+
+    def at(self, key: str) -> Where:
+        """Where an entry stands: its first line below the table's heading."""
+        return self.where if self.where.line else entry(self.where, key, self.name)
 
     def text(self, key: str, default: str) -> str:
         v = self.given.get(key, default)
@@ -82,5 +101,5 @@ class Entries:
     def table(self, key: str) -> Entries:
         v = self.given.get(key, {})
         if not isinstance(v, Mapping):
-            raise InputError(f"[{key}] must be a table, not {v!r}", self.where)
+            raise InputError(f"[{key}] must be a table, not {v!r}", self.at(key))
         return Entries(dict(v), self.where, key, self.what)

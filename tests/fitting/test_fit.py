@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +16,7 @@ import febkit
 from febkit.fitting import data, toml
 from febkit.fitting.experiment import Experiment, Measured
 from febkit.model import InputError
+from helpers.forked import febkit as command
 from helpers.specimens import SPECIMENS, Specimen
 
 BAR = SPECIMENS["viscoelastic"]
@@ -129,6 +131,7 @@ def test_what_cannot_be_fitted_is_said(measured: np.ndarray) -> None:
         ((m, one, (BAR.times + 50, measured[:, 1]), BAR.observe), "leave out what it does not come to"),
         ((m, one, measured, "reaction lid z"), "lid"),
         ((m, one, (BAR.times - 50, measured[:, 1]), BAR.observe), "before time 0"),
+        ((m, {**one, "c.g1": (0, 0.5, 1)}, measured[:1], BAR.observe), "2 parameters .* from 1 values of data"),
     ):
         with pytest.raises(InputError, match=why):
             febkit.fit(*args)
@@ -187,6 +190,28 @@ def test_a_file_that_says_nothing_is_refused(tmp_path: Path, old: str, new: str,
     with pytest.raises(InputError, match=why) as e:
         toml.read(path)
     assert "fit.toml" in str(e.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("elastic.E", "elastic.G", ":5: c.elastic.G: a .* has no parameter 'G'"),
+        ("[0.2, 1.5, 5]", "[5, 1.5, 0.2]", ":5: c.elastic.E: low <= start <= high is wanted"),
+        ("[0.2, 1.5, 5]", '["a", 1.5, 5]', ":5: low of .* must be a number"),
+        ("model", "modle", ":1: unknown entry 'modle'"),
+        ("[parameters]", "settings = { \"c.Q\" = 1 }\n[parameters]", ": c.Q: .* no parameter 'Q'"),
+        ("top z", "lid z", ": .*'lid'"),
+        ("1,-0.1\n", "1,-0.1\n900,-0.1\n", ": experiment 1: data lie at 1 to 900, the run's end at"),
+        ("elastic.E\" = [0.2, 1.5, 5]", "elastic.E\" = [0.2, 1.5, 5]\n\"c.g1\" = [0, 0.5, 1]", ":5: 2 parameters"),
+    ],
+)  # fmt: skip
+def test_errors_name_the_file_and_the_line_of_what_they_tell_of(tmp_path: Path, old: str, new: str, where: str) -> None:
+    text = 'model = "m.feb"\ndata = "d.csv"\nobserve = "reaction top z"\n[parameters]\n"c.elastic.E" = [0.2, 1.5, 5]\n'
+    BAR.model().write(tmp_path / "m.feb")
+    (tmp_path / "d.csv").write_text("1,-0.1\n".replace(old, new))
+    (tmp_path / "fit.toml").write_text(text.replace(old, new, 1))
+    done = command("fit", "fit.toml", folder=tmp_path)
+    assert done.returncode == 2 and re.match(f"febkit: fit.toml{where}", done.stderr), done.stderr
 
 
 def test_models_of_full_newton_are_fitted_by_updates_and_by_full_newton_where_these_fail(

@@ -18,6 +18,7 @@ from febkit.sampling.design import Range, points
 from febkit.sampling.result import Swept, gathered
 from febkit.sampling.runs import Found
 from febkit.sampling.sweep import make_sweep
+from helpers import forked
 from helpers.command import FEBKIT
 from helpers.command import febkit as command
 
@@ -95,6 +96,16 @@ def test_samples_are_the_solves_of_a_loop_and_failures_say_why() -> None:
 def test_what_cannot_be_is_refused_before_anything_is_solved(over: dict, observe: object, why: str) -> None:
     with pytest.raises(InputError, match=why):
         make_sweep(cube(), over, observe)  # type: ignore[arg-type]
+
+
+def test_times_after_the_end_and_paths_given_twice_are_refused(tmp_path: Path) -> None:
+    m = cube()
+    with pytest.raises(InputError, match="the time 50 is asked for, and the model's steps end at"):
+        make_sweep(m, {E: (1, 2)}, TOP, at=[0.5, 50])
+    m.write(tmp_path / "m.feb")
+    for more, why in ((["--vary", f"{E}=1:3"], "a path is given twice"), (["--at", "50"], "m.feb: the time 50 is")):
+        done = forked.febkit("sweep", "m.feb", "--vary", f"{E}=1:2", "--observe", TOP, *more, folder=tmp_path)
+        assert done.returncode == 2 and why in done.stderr
 
 
 def test_functions_do_not_travel(tmp_path: Path) -> None:
