@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from .convergence import NotConverged
 from .loop import Loop
+from .vectors import dot
 
 if TYPE_CHECKING:
     from .newton import Newton
@@ -50,14 +51,14 @@ class ArcLength(Loop):
     def direction(self, R0: Floats) -> Floats:
         """Solution for the residual, and as much of that for the loads as leads to the sphere."""
         u, uF = self.qn.solve(R0), self.qn.solve(self.external)
-        force = float(self.external @ self.external)
+        force = dot(self.external, self.external)
         g = self._first(uF, force) if self.newton.count.iterations == 0 else self._next(u, uF, force)
         self.grown += g
         self.factor += g
         return u + g * uF
 
     def _first(self, uF: Floats, force: float) -> float:
-        length = math.sqrt(float(uF @ uF) + self.psi * force)
+        length = math.sqrt(dot(uF, uF) + self.psi * force)
         if not length > 0.0:
             raise NotConverged("no load acts that the arc-length method could scale")
         if self.last is None:
@@ -65,15 +66,15 @@ class ArcLength(Loop):
             self.radius = g * length
             return g
         assert self.radius is not None
-        return math.copysign(self.radius / length, float(uF @ self.last))
+        return math.copysign(self.radius / length, dot(uF, self.last))
 
     def _next(self, u: Floats, uF: Floats, force: float) -> float:
         assert self.radius is not None
         U, scale = self.newton.increment, self.psi**2 * force
         whole = U + u
-        a = float(uF @ uF) + scale
-        b = 2.0 * float(uF @ whole) + 2.0 * scale * self.grown
-        c = float(whole @ whole) - self.radius**2 + scale * self.grown**2
+        a = dot(uF, uF) + scale
+        b = 2.0 * dot(uF, whole) + 2.0 * scale * self.grown
+        c = dot(whole, whole) - self.radius**2 + scale * self.grown**2
         roots = np.roots([a, b, c])
         if np.iscomplexobj(roots):
             self.radius *= 0.5
@@ -82,8 +83,8 @@ class ArcLength(Loop):
         def cosine(g: float) -> float:
             """Between the increment so far and the one with g."""
             to, grown = whole + g * uF, self.grown + g
-            along = float(U @ to) + scale * self.grown * grown
-            return along / math.sqrt(float(to @ to) + scale * grown**2)
+            along = dot(U, to) + scale * self.grown * grown
+            return along / math.sqrt(dot(to, to) + scale * grown**2)
 
         return max((float(g) for g in roots), key=cosine)
 
