@@ -1,9 +1,10 @@
 """The inverse of the present tangent K, as cheap as it can be had.
 
 A fresh factorisation applies K^-1 by one solve. A factorisation M of an earlier tangent, or of the same one at another
-step size, does so by a few iterations of GMRES, each a solve and a product with K; or it stands in for K^-1 as it is,
-where multisecant corrections make good for it. Large factorisations cost a hundred solves and more, so the second way
-is taken wherever they are dear.
+step size, does so by a few iterations, each a solve and a product with K, which serve later right-hand sides as well; or it stands in for
+K^-1 as it is, where multisecant corrections make good for it. Large factorisations cost a hundred solves and more, so the
+second way is taken wherever they are dear, for as long as a tangent costs less so than all have on average since the
+factorisation, its own cost counted.
 """
 
 from __future__ import annotations
@@ -17,23 +18,30 @@ from numpy.typing import NDArray
 
 from .clock import Clock
 from .linear.base import Floats, LinearSolver, Matrix
-from .linear.krylov import gmres
+from .linear.krylov import Recycled, gmres
 
 REUSE_RATIO = 4.0  # an old factorisation is tried for a step size within this factor of its own,
 WIDE_RATIO = 50.0  # or this one where factorisations are dear
 DEAR = 20.0  # solves that a factorisation costs, from which it is dear
 TOLERANCE = 0.03  # of a direction by an old factorisation that corrections follow
-EXACT = 5e-3  # of K^-1 by GMRES
+EXACT = 2e-3  # of K^-1 by iterations
 LEAST, MOST = 5, 12  # bounds of the iterations of Newton given to an old factorisation before a new one is made
 
 
 @dataclass(slots=True, eq=False)
 class Factor:
-    """A factorisation and the step size it was made for."""
+    """A factorisation and the step size it was made for.
+
+    ``tangents``: how many it has inverted, its own first; ``extra``: solves beyond one for each system, of all these,
+    and ``latest``, of the last of them.
+    """
 
     dt: float
     solver: LinearSolver
     used: int = 0
+    tangents: int = 1
+    extra: int = 0
+    latest: int = 0
     pattern: NDArray[np.int32] | None = None
     first: NDArray | None = None  # values that the pattern was analysed with, which LU's order depends on
     last: NDArray | None = None  # values that were factorised
@@ -44,6 +52,10 @@ class Factor:
         if self.pattern is not A.indptr:
             self.pattern, self.first = A.indptr, None if A.symmetric else data.copy()
         self.last = data.copy() if serves else None
+
+    def tired(self, cost: float) -> bool:
+        """Did its last tangent take more than the mean over all, ``cost`` solves for the factorisation included?"""
+        return self.latest * self.tangents > cost + self.extra
 
 
 class Inverse:
@@ -56,7 +68,8 @@ class Inverse:
         self._uses = 0
         self._A: Matrix | None = None
         self._dt = 0.0
-        self._inner = False  # K^-1 by GMRES
+        self._inner: Recycled | None = None  # what inverts K by iterations
+        self._at: Factor | None = None  # the factorisation in use
         self.made = 0
         self.remembers = self.serves = False  # are there checkpoints; do factorisations serve later steps?
 
@@ -70,9 +83,9 @@ class Inverse:
             self._kept.append(f)
         elif f is None:
             f = min(self._kept, key=lambda f: f.used)
-        f.dt = dt
+        f.dt, f.tangents, f.extra, f.latest = dt, 1, 0, 0
         self._use(f)
-        self._A, self._dt, self._inner = A, dt, False
+        self._A, self._dt, self._inner = A, dt, None
         with self._clock("factorisation"):
             self.solver.factor(A)
         self.made += 1
@@ -82,10 +95,11 @@ class Inverse:
     def approach(self, A: Matrix, dt: float) -> bool:
         """Take A as the present tangent with a factorisation at hand; False where a new one is the better way."""
         f = self.near(dt, WIDE_RATIO) if self._kept and self.ratio >= DEAR else None
-        if f is None:
+        if f is None or f.tired(self.ratio):
             return False
         self._use(f)
-        self._A, self._dt, self._inner = A, dt, True
+        f.tangents, f.latest = f.tangents + 1, 0
+        self._A, self._dt, self._inner = A, dt, Recycled(A, f.solver.solve)
         return True
 
     def near(self, dt: float, most: float = REUSE_RATIO) -> Factor | None:
@@ -97,30 +111,33 @@ class Inverse:
     def lean_on(self, f: Factor, A: Matrix, dt: float, b: Floats) -> tuple[Floats | None, Floats]:
         """Let f stand in for the inverse of A: K^-1 b to a few per cent (None where it does not serve), and M^-1 b."""
         self._use(f)
-        self._A, self._dt, self._inner = A, dt, False
+        self._A, self._dt, self._inner = A, dt, None
         with self._clock("linear solves"):
             x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST)
         return (x if error < TOLERANCE else None), z
 
     def _use(self, f: Factor) -> None:
         self._uses += 1
-        self.solver, f.used = f.solver, self._uses
+        self.solver, self._at, f.used = f.solver, f, self._uses
 
     # ---- solves -----------------------------------------------------------------------------------
     def solve(self, b: Floats) -> Floats:
-        """K^-1 b: by the fresh factorisation, or by GMRES; where that is slow K is factorised after all."""
-        if self._inner:
-            assert self._A is not None
+        """K^-1 b: by the fresh factorisation, or by iterations; where these are slow K is factorised after all."""
+        if self._inner is not None:
+            assert self._A is not None and self._at is not None
+            before = self._inner.solves
             with self._clock("linear solves"):
-                x, _, error = gmres(self._A, b, self.solver.solve, EXACT, self._inner_most)
-            if error < EXACT:
+                x, error = self._inner.solve(b, EXACT, self._inner_most)
+            more = self._inner.solves - before - 1
+            self._at.latest, self._at.extra = self._at.latest + more, self._at.extra + more
+            if error <= EXACT:
                 return x
             self.factorise(self._A, self._dt)
         return self.once(b)
 
     def refined(self, b: Floats) -> Floats:
         """K^-1 b with a step of GMRES where the fresh factorisation is of single precision."""
-        if self._inner or self._A is None:
+        if self._inner is not None or self._A is None:
             return self.solve(b)
         with self._clock("linear solves"):
             return gmres(self._A, b, self.solver.solve, TOLERANCE, MOST)[0]
@@ -144,8 +161,8 @@ class Inverse:
 
     @property
     def _inner_most(self) -> int:
-        """Iterations of GMRES for a direction: from 3, where a factorisation is just dear, to 16 at 100 solves."""
-        return int(np.clip((self.ratio - DEAR) / 5.0, 3, 16))
+        """New directions for a system: a third of what a factorisation costs, since later systems have them as well."""
+        return int(np.clip(self.ratio / 3.0, 6, 40))
 
     @property
     def _room(self) -> int:
@@ -159,14 +176,15 @@ class Inverse:
         out = []
         for f in self._kept:
             first, last = (f.first, f.last) if f.pattern is matrix().indptr else (None, None)
-            out.append({"dt": f.dt, "used": f.used, "stats": dict(f.solver.stats), "first": first, "last": last})
+            tally = {"tangents": f.tangents, "extra": f.extra, "latest": f.latest}
+            out.append({"dt": f.dt, "used": f.used, "stats": dict(f.solver.stats), "first": first, "last": last, **tally})
         return out
 
     def restore(self, saved: Any, matrix: Callable[[], Matrix]) -> None:
         """Factorise the matrices of a snapshot again."""
         self._kept = []
         for s in saved:
-            f = Factor(s["dt"], self._make() if self._kept else self.solver, s["used"])
+            f = Factor(s["dt"], self._make() if self._kept else self.solver, s["used"], s["tangents"], s["extra"], s["latest"])
             for values in (s["first"], s["last"]):
                 if values is not None:
                     A = matrix()

@@ -1,5 +1,6 @@
-"""GMRES with an older factorisation as preconditioner (Saad and Schultz, SIAM J Sci Stat Comput 7, 1986), and its
-flexible variant preconditioned from the right (Saad, SIAM J Sci Comput 14, 1993)."""
+"""GMRES with an older factorisation as preconditioner (Saad and Schultz, SIAM J Sci Stat Comput 7, 1986), its flexible
+variant preconditioned from the right (Saad, SIAM J Sci Comput 14, 1993), and one whose directions serve several
+right-hand sides."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..kernels.sparse import multiply
-from ..vectors import dot
+from ..vectors import dot, norm
 from .base import Floats, Matrix
 
 
@@ -67,6 +68,66 @@ def _extend(V: list[Floats], H: Floats, w: Floats, k: int, beta: float) -> tuple
     e[0] = beta
     best = np.asarray(np.linalg.lstsq(H[: k + 2, : k + 1], e, rcond=None)[0], dtype=float)
     return best, float(np.linalg.norm(e - H[: k + 2, : k + 1] @ best))
+
+
+class Recycled:
+    """Systems A x = b of one matrix, preconditioned from the left by M, that learn from each other.
+
+    Generalised conjugate residuals (Eisenstat, Elman and Schultz, SIAM J Numer Anal 20, 1983): for each direction p
+    there is q = M^-1 A p, all q orthonormal, so that x = sum (q . r) p leaves the least M^-1 (b - A x) of all x that the
+    directions can make. Directions of earlier systems come first, at two inner products each; new ones cost a product
+    with A and a solve with M. ``keep`` bounds memory: the oldest go.
+    """
+
+    def __init__(self, A: Matrix, precondition: Callable[[Floats], Floats], keep: int = 30) -> None:
+        self.A, self.precondition, self.keep = A, precondition, keep
+        self._pairs: list[tuple[Floats, Floats]] = []
+        self.solves = 0  # with M
+
+    def solve(self, b: Floats, tolerance: float, most: int) -> tuple[Floats, float]:
+        """x, and |M^-1 (b - A x)| / |M^-1 b|; it is inf where numbers are too large. ``most``: new directions."""
+        x, r = np.zeros_like(b), self.precondition(b)
+        self.solves += 1
+        first = error = norm(r)
+        if first == 0.0:
+            return x, 0.0
+        if not np.isfinite(first):
+            return r, np.inf
+        r = r.copy()
+        for p, q in self._pairs:
+            self._step(p, q, x, r)
+        error = norm(r)
+        for _ in range(most):
+            if error <= tolerance * first:
+                break
+            pair = self._extend(r)
+            if pair is None:
+                return x, np.inf
+            self._step(*pair, x, r)
+            error = norm(r)
+        return x, error / first
+
+    @staticmethod
+    def _step(p: Floats, q: Floats, x: Floats, r: Floats) -> None:
+        c = dot(q, r)
+        x += c * p
+        r -= c * q
+
+    def _extend(self, r: Floats) -> tuple[Floats, Floats] | None:
+        """A direction along r; None where it leads nowhere."""
+        p, q = r.copy(), self.precondition(matvec(self.A, r))
+        self.solves += 1
+        for a, b in self._pairs:
+            c = dot(b, q)
+            p -= c * a
+            q -= c * b
+        size = norm(q)
+        if not np.isfinite(size) or size == 0.0:
+            return None
+        p /= size
+        q /= size
+        self._pairs = [*self._pairs[1 - self.keep :], (p, q)]
+        return p, q
 
 
 def fgmres(
