@@ -1,10 +1,10 @@
 """The inverse of the present tangent K, as cheap as it can be had.
 
 A fresh factorisation applies K^-1 by one solve. A factorisation M of an earlier tangent, or of the same one at another
-step size, does so by a few iterations, each a solve and a product with K, which serve later right-hand sides as well; or it stands in for
-K^-1 as it is, where multisecant corrections make good for it. Large factorisations cost a hundred solves and more, so the
-second way is taken wherever they are dear, for as long as a tangent costs less so than all have on average since the
-factorisation, its own cost counted.
+step size, does so by a few iterations, each a solve and a product with K, whose directions serve later right-hand sides
+as well; or it stands in for K^-1 as it is, where multisecant corrections make good for it. Large factorisations cost a
+hundred solves and more, so the first of these ways is taken wherever they are dear, for as long as a tangent costs less
+so than all have on average since the factorisation, its own cost counted.
 """
 
 from __future__ import annotations
@@ -176,15 +176,16 @@ class Inverse:
         out = []
         for f in self._kept:
             first, last = (f.first, f.last) if f.pattern is matrix().indptr else (None, None)
-            tally = {"tangents": f.tangents, "extra": f.extra, "latest": f.latest}
-            out.append({"dt": f.dt, "used": f.used, "stats": dict(f.solver.stats), "first": first, "last": last, **tally})
+            kept = {"stats": dict(f.solver.stats), "first": first, "last": last}
+            out.append({"tally": (f.dt, f.used, f.tangents, f.extra, f.latest), **kept})
         return out
 
     def restore(self, saved: Any, matrix: Callable[[], Matrix]) -> None:
         """Factorise the matrices of a snapshot again."""
         self._kept = []
         for s in saved:
-            f = Factor(s["dt"], self._make() if self._kept else self.solver, s["used"], s["tangents"], s["extra"], s["latest"])
+            dt, *tally = s["tally"]
+            f = Factor(dt, self._make() if self._kept else self.solver, *tally)
             for values in (s["first"], s["last"]):
                 if values is not None:
                     A = matrix()

@@ -74,9 +74,9 @@ class Recycled:
     """Systems A x = b of one matrix, preconditioned from the left by M, that learn from each other.
 
     Generalised conjugate residuals (Eisenstat, Elman and Schultz, SIAM J Numer Anal 20, 1983): for each direction p
-    there is q = M^-1 A p, all q orthonormal, so that x = sum (q . r) p leaves the least M^-1 (b - A x) of all x that the
-    directions can make. Directions of earlier systems come first, at two inner products each; new ones cost a product
-    with A and a solve with M. ``keep`` bounds memory: the oldest go.
+    there is q = M^-1 A p, all q orthonormal, so that x = sum (q . r) p leaves the least M^-1 (b - A x) of all x that
+    the directions can make. Earlier systems' come first, at an inner product each; a new one costs a product with
+    A and a solve with M. ``keep`` bounds memory: the oldest go.
     """
 
     def __init__(self, A: Matrix, precondition: Callable[[Floats], Floats], keep: int = 30) -> None:

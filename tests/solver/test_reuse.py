@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from febkit.solver import inverse
 from febkit.solver.linear.base import Matrix
-from febkit.solver.linear.krylov import gmres, matvec
+from febkit.solver.linear.krylov import Recycled, gmres, matvec
 from febkit.solver.options import Options
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, Fixed, NewtonOptions, Prescribed, Problem, Step
@@ -84,6 +85,56 @@ def test_gmres_with_a_fresh_factorisation_takes_one_solve():
     x, _, error = gmres(A, b, lambda r: solves.append(1) or fresh @ r, 0.03, 12)
     assert error < 0.03 and len(solves) == 1
     np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-4, atol=1e-6)
+
+
+def test_directions_serve_later_systems():
+    A, full = _spd()
+    old = np.linalg.inv(full + np.diag(np.linspace(0, 3, A.n)))
+    b = np.random.default_rng(3).normal(size=A.n)
+    one = Recycled(A, lambda r: old @ r)
+    x, error = one.solve(b, 1e-8, 40)
+    first = one.solves
+    np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-6, atol=1e-9)
+    assert error <= 1e-8 and first > 5
+    _, alone = gmres(A, b, lambda r: old @ r, 1e-8, first - 1)[1:]
+    assert alone <= 1e-8  # the same least residuals as GMRES's
+    x, error = one.solve(full @ (2.0 * x + 0.1 * old @ b), 1e-8, 40)
+    assert error <= 1e-8 and one.solves - first <= first // 2
+    np.testing.assert_allclose(x, 2.0 * np.linalg.solve(full, b) + 0.1 * old @ b, rtol=1e-6, atol=1e-8)
+
+
+def test_few_directions_are_kept():
+    A, full = _spd()
+    old = np.linalg.inv(full + np.diag(np.linspace(0, 3, A.n)))
+    one = Recycled(A, lambda r: old @ r, keep=3)
+    b = np.random.default_rng(3).normal(size=A.n)
+    x, error = one.solve(b, 1e-8, 40)
+    assert error <= 1e-8 and len(one._pairs) == 3
+    np.testing.assert_allclose(x, np.linalg.solve(full, b), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("b", [0.0, 1e200])
+def test_nothing_and_too_much(b):
+    A, full = _spd()
+    x, error = Recycled(A, lambda r: np.linalg.solve(full, r)).solve(np.full(A.n, b), 1e-3, 5)
+    assert (error, x.any()) == (0.0, False) if b == 0.0 else error == np.inf
+
+
+def test_a_factorisation_tires():
+    """Renewed once a tangent takes more than the mean: k solves more for the k-th, cost C: after about (2 C)^0.5."""
+    f = inverse.Factor(1.0, None)
+    while not f.tired(50.0):
+        f.tangents, f.latest, f.extra = f.tangents + 1, f.tangents, f.extra + f.tangents
+    assert f.tangents == 11
+
+
+def test_dear_factorisations_serve_other_tangents(monkeypatch):
+    monkeypatch.setattr(inverse, "DEAR", 0.0)
+    monkeypatch.setattr(inverse.Inverse, "ratio", property(lambda self: 60.0))
+    fresh = run(relaxing(), options=Options(threads=1, factor="fresh"))
+    kept = run(relaxing(), options=Options(threads=1, factor="reuse"))
+    assert kept.totals.steps == fresh.totals.steps and kept.totals.reforms < 0.2 * fresh.totals.reforms
+    assert np.linalg.norm(kept.state.d - fresh.state.d) < 1e-4 * np.linalg.norm(fresh.state.d)
 
 
 @pytest.mark.parametrize("stiffer", [0.5, 2.0])
