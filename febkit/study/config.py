@@ -64,7 +64,8 @@ class Method:
 class Resources:
     """Threads and memory (GB) of one solve, workers at a time; 0: planned from the size of the models and the machine.
 
-    ``limit``: seconds after which a solve is given up, 0 for none; ``retry``: failed ones again, with smaller steps.
+    ``limit``: seconds after which a solve is given up, 0 for none; ``retry``: failed ones again, with smaller steps;
+    ``checkpoint``: "10min", how often a solve writes what a later sitting goes on from, empty: never.
     """
 
     threads: int = 1
@@ -72,6 +73,7 @@ class Resources:
     workers: int = 0
     limit: float = 0.0
     retry: bool = False
+    checkpoint: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +164,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     tissue = models.located(shared | models.given(top, "tissue"), "tissue", home, where)
     loads = models.cases(top, tissue)
     run = top.table("run")
-    run.only(("threads", "memory", "workers", "keep", "limit", "retry"))
+    run.only(("threads", "memory", "workers", "keep", "limit", "retry", "checkpoint"))
     units = _units(top)
     coupling, background = _coupling(top.table("coupling"))
     published = not isinstance(top.given.get("cases"), Mapping) and loads[0].name != models.OWN
@@ -233,7 +235,15 @@ def _resources(run: Entries) -> Resources:
     numbers = {k: run.positive(k, 1.0) for k in ("memory", "limit") if k in run.given}
     threads = run.whole("threads", 1, 1) if "threads" in run.given else 0
     both = numbers.get("memory", 0.0), run.whole("workers", 0, 0)
-    return Resources(threads, *both, numbers.get("limit", 0.0), run.flag("retry", True))
+    every = run.text("checkpoint", "") if "checkpoint" in run.given else ""
+    if every:
+        from febkit.checkpoint import Every
+
+        try:
+            Every.of(every)
+        except ValueError:
+            raise run.refuse("checkpoint", 'a time or a number of steps such as "10min" or "50steps"') from None
+    return Resources(threads, *both, numbers.get("limit", 0.0), run.flag("retry", True), every)
 
 
 def _override(t: dict[str, Any], text: str) -> None:

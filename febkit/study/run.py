@@ -96,7 +96,8 @@ def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
     inputs = {n: store.path(k) for n, k in spec["inputs"].items()}
     try:
         with store.making(key, about) as (folder, record):
-            try_ = work.Try(spec.get("limit", 0.0), spec.get("retry", False))
+            every = spec.get("checkpoint", "")
+            try_ = work.Try(spec.get("limit", 0.0), spec.get("retry", False), every, store.begun(key))
             work.KINDS[spec["kind"]](work.Job(folder, spec["params"], inputs, record, spec["files"], try_))
     except (InputError, work.SolveFailed) as e:
         store.fail(key, about, str(e))
@@ -108,7 +109,7 @@ def do(root: str, spec: dict[str, Any], *waited_for: object) -> Outcome:
 
 
 def _spec(step: Step, r: Resources) -> dict[str, Any]:
-    return step.spec() | {"limit": r.limit, "retry": r.retry}
+    return step.spec() | {"limit": r.limit, "retry": r.retry, "checkpoint": r.checkpoint}
 
 
 def _serial(store: Store, needed: dict[str, Step], r: Resources) -> Generator[Outcome, None, None]:

@@ -33,6 +33,10 @@ class Store:
     def path(self, key: str) -> Path:
         return self.root / "store" / key[:2] / key
 
+    def begun(self, key: str) -> Path:
+        """Where a solve that takes several sittings lies until it is done."""
+        return self.root / "begun" / key
+
     def has(self, key: str) -> bool:
         return bool(self.record(key))
 
@@ -49,7 +53,7 @@ class Store:
         record, start, cpu = dict(about), time.perf_counter(), time.process_time()
         try:
             yield folder, record
-            record["seconds"] = round(time.perf_counter() - start, 3)
+            record["seconds"] = round(record.get("earlier_seconds", 0.0) + time.perf_counter() - start, 3)
             record["processor_seconds"] = round(time.process_time() - cpu, 3)  # all threads of this process
             record["finished"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
             (folder / "step.json").write_text(json.dumps(record, indent=1, sort_keys=True))

@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,10 +32,15 @@ class SolveFailed(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Try:
-    """How hard a solve is tried: seconds after which it is given up (0: none), and whether once more if it fails."""
+    """How hard a solve is tried: seconds after which it is given up (0: none), and whether once more if it fails.
+
+    ``every``: how often a checkpoint is written in ``begun``, where a later sitting goes on; empty: never.
+    """
 
     limit: float = 0.0
     retry: bool = False
+    every: str = ""
+    begun: Path = Path()
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +103,7 @@ def solve(job: Job) -> None:
     process.keep_freed_memory()
     model = feb.read(job.inputs["model"] / MODEL)
     said: list[str] = []
-    result = _solved(job, model, said)
+    result = _solved(job, model, said, job.tried.every)
     if not result.converged and job.tried.retry:
         from .again import SAID, smaller_steps
 
@@ -114,8 +120,11 @@ def solve(job: Job) -> None:
     job.record["peak_memory_mb"] = _peak_memory()
 
 
-def _solved(job: Job, model: Model, said: list[str]) -> Result:
-    """One try. Raises SolveFailed where it takes longer than it may, KeyboardInterrupt where it is interrupted."""
+def _solved(job: Job, model: Model, said: list[str], every: str = "") -> Result:
+    """One try; with ``every`` one that goes on where an earlier sitting left it.
+
+    Raises SolveFailed where it takes longer than it may, KeyboardInterrupt where it is interrupted.
+    """
     import time
 
     from febkit.solver.run import Listener, Run
@@ -132,10 +141,22 @@ def _solved(job: Job, model: Model, said: list[str]) -> Result:
 
     threads = int(os.environ.get("FEBKIT_THREADS", "0"))
     listeners = [Limit()] if job.tried.limit else []
-    paths = job.folder / RESULTS, job.folder / "run.log"
-    result = run(model, *paths, threads=threads, warn=said.append, listeners=listeners)
+    go = partial(run, model, threads=threads, warn=said.append, listeners=listeners)
+    names = RESULTS, "run.log"
+    if not every:
+        result = go(*(job.folder / n for n in names))
+    else:
+        from . import sittings
+
+        result, before, why = sittings.solve(go, job.tried.begun, names, every)
+        said += [why] if why else []
+        job.record["earlier_seconds"] = round(before, 3)
     if result.interrupted:
         raise KeyboardInterrupt
+    if every:
+        for n in names if result.converged else ():
+            shutil.move(job.tried.begun / n, job.folder / n)
+        shutil.rmtree(job.tried.begun, ignore_errors=True)
     return result
 
 

@@ -414,7 +414,7 @@ def test_a_solve_that_fails_is_tried_once_more_with_smaller_steps(tmp_path, monk
     assert once["steps"] == 2 and "retried" not in once
     real, tries = work._solved, []
 
-    def fails_at_first(job, m, said):
+    def fails_at_first(job, m, said, every=""):
         tries.append(m)
         result = real(job, m, said)
         if len(tries) in failing:
