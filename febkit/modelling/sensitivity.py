@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from febkit.model import InputError
 from febkit.model import Model as Record
@@ -100,23 +101,20 @@ class Sensitivity:
         from febkit.results import held
 
         why = [self._why or self.run.lost(k) for k in range(len(self.parameters))]
-        every = held(self.plots.buffer.data).load() if self.plots.buffer.data else None
-        parts: list[xr.Dataset | None] = []
-        for k, p in enumerate(self.parameters):
-            part = None if every is None else every.isel(time=slice(k, None, len(self.parameters)))
-            if why[k]:
-                data, stopped = self._difference(p)
-                why[k] += f"; the runs beside stopped: {stopped}" * bool(stopped)
-                part = held(data).load() if data else None
-            if part is not None and not np.array_equal(part["time"], base["time"]):
-                part = part.reindex(time=base["time"])
-            parts.append(part)
+        direct = self._direct(base["time"].values)
+        others: dict[int, xr.Dataset | None] = {}
+        for k in (k for k, w in enumerate(why) if w):
+            data, stopped = self._difference(self.parameters[k])
+            why[k] += f"; the runs beside stopped: {stopped}" * bool(stopped)
+            others[k] = held(data).load().reindex(time=base["time"]) if data else None
         names = [n for n, v in base.data_vars.items() if "time" in v.dims and v.dtype.kind == "f"]
         fields = {}
         for n in names:
             v = base[n]
-            rows = [np.full(v.shape, np.nan) if q is None else q[n].values for q in parts]
-            fields[n] = (("parameter", *v.dims), np.stack(rows), {"long_name": f"derivative of {n} by the parameter"})
+            rows = direct[n] if n in direct else np.full((len(why), *v.shape), np.nan)
+            for k, part in others.items():
+                rows[k] = np.nan if part is None else part[n].values
+            fields[n] = (("parameter", *v.dims), rows, {"long_name": f"derivative of {n} by the parameter"})
         coords = {
             "parameter": [p.path for p in self.parameters],
             "method": ("parameter", ["differences" if w else "direct" for w in why]),
@@ -125,6 +123,22 @@ class Sensitivity:
         }
         out = xr.Dataset(fields, {**base.coords, **coords}, base.attrs)
         return out.assign_attrs(why={p.path: w for p, w in zip(self.parameters, why) if w})
+
+    def _direct(self, times: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Derivatives (parameter, time, ...) that the run has brought, nan at times that it did not come to."""
+        from febkit.results import held
+
+        if not self.plots.buffer.data:
+            return {}
+        every, many = held(self.plots.buffer.data).load(), len(self.parameters)
+        row = {t: k for k, t in enumerate(every["time"].values[::many].tolist())}
+        have = [k for k, t in enumerate(times.tolist()) if t in row]
+        at, out = [row[times[k]] for k in have], {}
+        for n, v in every.data_vars.items():
+            if v.dims[:1] == ("time",) and v.dtype.kind == "f":
+                out[str(n)] = np.full((many, len(times), *v.shape[1:]), np.nan)
+                out[str(n)][:, have] = np.swapaxes(v.values.reshape(-1, many, *v.shape[1:])[at], 0, 1)
+        return out
 
     def _difference(self, p: Parameter) -> tuple[bytes | bytearray, str]:
         """Central differences of whole runs, in the run's own steps and to tight tolerances; why they ended early."""

@@ -75,18 +75,23 @@ def flux(lo, hi, k, gp, drive, w):
             w[e, g, 2] = -(k[i, 5] * x + k[i, 4] * y + k[i, 2] * z)
 
 
-@kernel
+@kernel(fastmath={"contract", "reassoc", "nsz"})  # sums over points several terms at a time
 def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt, steady, Ru, Rp):
     """Subtract the internal force of elements lo:hi from Ru (node, 3) and Rp (node,), of displacement and pressure.
 
     s: solid (effective) stress; p (m, g) pressure; w (m, g, 3) flux; supply (m, g) or (0, 0).
     ``steady`` drops div v (steady-state analysis).
     """
-    nen = conn.shape[1]
-    f = np.empty((4, nen))
+    ng, nen = dN.shape[0], conn.shape[1]
+    D, H = np.empty((nen, 3 * ng)), np.empty((nen, ng))  # natural gradients and N of a node at all points, in a row
+    for g in range(ng):
+        for a in range(nen):
+            for k in range(3):
+                D[a, k * ng + g] = dN[g, a, k]
+            H[a, g] = N[g, a]
+    A, h = np.empty((4, 3 * ng)), np.empty(ng)
     for e in range(lo, hi):
-        f[:] = 0.0
-        for g in range(dN.shape[0]):
+        for g in range(ng):
             m00, m01, m02, m10, m11, m12, m20, m21, m22 = inverse_map(F[e, g], J[e, g], iJ0[e, g])
             v = wJ0[e, g] * J[e, g]
             q = p[e, g]
@@ -94,30 +99,34 @@ def internal_force(lo, hi, conn, N, dN, iJ0, wJ0, F, J, Jp, s, p, w, supply, dt,
             s3, s4, s5 = s[e, g, 3] * v, s[e, g, 4] * v, s[e, g, 5] * v
             w0, w1, w2 = w[e, g, 0] * v * dt, w[e, g, 1] * v * dt, w[e, g, 2] * v * dt
             # stress and flux in natural coordinates: no gradients are formed
-            a00, a01 = s0 * m00 + s3 * m01 + s5 * m02, s0 * m10 + s3 * m11 + s5 * m12
-            a10, a11 = s3 * m00 + s1 * m01 + s4 * m02, s3 * m10 + s1 * m11 + s4 * m12
-            a20, a21 = s5 * m00 + s4 * m01 + s2 * m02, s5 * m10 + s4 * m11 + s2 * m12
-            a30, a31 = w0 * m00 + w1 * m01 + w2 * m02, w0 * m10 + w1 * m11 + w2 * m12
-            a02 = s0 * m20 + s3 * m21 + s5 * m22
-            a12 = s3 * m20 + s1 * m21 + s4 * m22
-            a22 = s5 * m20 + s4 * m21 + s2 * m22
-            a32 = w0 * m20 + w1 * m21 + w2 * m22
+            i, j, k = g, ng + g, 2 * ng + g
+            A[0, i], A[0, j] = s0 * m00 + s3 * m01 + s5 * m02, s0 * m10 + s3 * m11 + s5 * m12
+            A[1, i], A[1, j] = s3 * m00 + s1 * m01 + s4 * m02, s3 * m10 + s1 * m11 + s4 * m12
+            A[2, i], A[2, j] = s5 * m00 + s4 * m01 + s2 * m02, s5 * m10 + s4 * m11 + s2 * m12
+            A[3, i], A[3, j] = w0 * m00 + w1 * m01 + w2 * m02, w0 * m10 + w1 * m11 + w2 * m12
+            A[0, k] = s0 * m20 + s3 * m21 + s5 * m22
+            A[1, k] = s3 * m20 + s1 * m21 + s4 * m22
+            A[2, k] = s5 * m20 + s4 * m21 + s2 * m22
+            A[3, k] = w0 * m20 + w1 * m21 + w2 * m22
             # dt (phi_hat - div v) w j, with dt div v = 1 - J_prev / J
-            h = 0.0 if steady else -wJ0[e, g] * (J[e, g] - Jp[e, g])
+            h[g] = 0.0 if steady else -wJ0[e, g] * (J[e, g] - Jp[e, g])
             if supply.shape[0] > 0:
-                h += supply[e, g] * v * dt
-            for a in range(nen):
-                x, y, z = dN[g, a, 0], dN[g, a, 1], dN[g, a, 2]
-                f[0, a] += a00 * x + a01 * y + a02 * z
-                f[1, a] += a10 * x + a11 * y + a12 * z
-                f[2, a] += a20 * x + a21 * y + a22 * z
-                f[3, a] += a30 * x + a31 * y + a32 * z + h * N[g, a]
+                h[g] += supply[e, g] * v * dt
         for a in range(nen):
+            f0 = f1 = f2 = f3 = 0.0
+            for r in range(3 * ng):
+                d = D[a, r]
+                f0 += A[0, r] * d
+                f1 += A[1, r] * d
+                f2 += A[2, r] * d
+                f3 += A[3, r] * d
+            for g in range(ng):
+                f3 += h[g] * H[a, g]
             n = conn[e, a]
-            Ru[n, 0] -= f[0, a]
-            Ru[n, 1] -= f[1, a]
-            Ru[n, 2] -= f[2, a]
-            Rp[n] -= f[3, a]
+            Ru[n, 0] -= f0
+            Ru[n, 1] -= f1
+            Ru[n, 2] -= f2
+            Rp[n] -= f3
 
 
 @kernel
