@@ -23,7 +23,7 @@ def columns(data: Any, names: Sequence[str]) -> Columns:
     """x and y of each observable by its name.
 
     The first column, the index or the one coordinate is x (time, in most cases). Columns that are called as observables
-    are theirs; else they follow in the observables' order. Rows in which y is nan are left out.
+    are theirs; else they follow in the observables' order. Rows in which y is nan, or blank in a file, are left out.
     """
     if isinstance(data, (str, PathLike)):
         found = _file(Path(data))
@@ -98,6 +98,8 @@ def _file(path: Path) -> Columns:
             table.append([float(c) if c.strip() else np.nan for c in row])
         except ValueError:
             raise InputError(f"{','.join(row)!r} are no numbers", Where(str(path), line)) from None
+        if np.isinf(table[-1]).any():
+            raise InputError(f"{','.join(row)!r} has a value that is not finite", Where(str(path), line))
     a = np.array(table)
     if a.ndim != 2 or a.shape[1] < 2:
         raise InputError("two columns at least are wanted: x, y", where)
@@ -107,6 +109,8 @@ def _file(path: Path) -> Columns:
 def _clean(name: str, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     if len(x) != len(y):
         raise InputError(f"data of {name}: {len(x)} places for {len(y)} values")
+    if np.isinf(y).any():
+        raise InputError(f"data of {name} have a value that is not finite")
     keep = np.isfinite(y)
     if not keep.any() or not np.isfinite(x[keep]).all():
         raise InputError(f"data of {name} have no finite " + ("x" if keep.any() else "values"))

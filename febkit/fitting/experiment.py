@@ -67,7 +67,10 @@ class Measured:
         self.model = _model(given.model)
         for path, value in given.settings.items():
             self.model[path] = value
-        self.observables = observables(given.observe)
+        try:
+            self.observables = observables(given.observe)
+        except InputError as e:
+            raise InputError(f"{name}: observe: {e.message}", e.where) from None
         self.against: Observable | None = None if given.against is None else observable(given.against)
         try:
             self.curves = columns(given.data, list(self.observables))
@@ -174,7 +177,10 @@ class Measured:
 
     def _curve(self, ds: xr.Dataset, o: Observable, x: Floats, y: Floats) -> Floats:
         """What an observable shows at the data's x."""
-        found = np.asarray(o(ds).values, dtype=float)
+        try:
+            found = np.asarray(o(ds).values, dtype=float)
+        except InputError as e:
+            raise InputError(f"{self.name}: observe {o.name!r}: {e.message}", e.where) from None
         if found.ndim == 0:  # a number of the whole run
             return np.full(len(x), float(found))
         at = np.asarray(ds["time"] if self.against is None else self.against(ds), dtype=float)

@@ -19,6 +19,7 @@ LEAST, GOOD = 1e-3, 0.25  # what part of the promise a step keeps to be taken, a
 SHRINK = 0.5
 LATE = 0.1  # of the sum of squares: where less is promised, and not kept, it may be for the model's tolerances
 SECANT = 0.75  # what part of it a step keeps for secants to do
+SMALL = 5.0  # steps of differences: a step within it is as good as one
 HOLDS = 4  # times that time steps are held anew
 NEAR = 0.1  # standard errors: what time steps of its own would move a fit by, where they are not held anew
 HEAVY = 1e6  # weight of linear constraints beside data
@@ -74,7 +75,8 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
 
     Derivatives are those of :meth:`.problem.Problem.jacobian`: at every step where runs bring them, else at the start,
     at the end, and where a step does not do what they promise; between, Broyden's updates J += (dr - J dz) dz^T / dz.dz
-    (Math. Comput. 19:577, 1965), of runs that are made anyway. A trial that fails is a step too long.
+    (Math. Comput. 19:577, 1965), of runs that are made anyway. These alone are made of what is at a bound, and they are
+    derivatives where one parameter alone is not. A trial that fails is a step too long.
     """
     p = problem.parameters
     plane = None if A is None or b is None else (A * [q.size for q in p.every], b)
@@ -90,7 +92,7 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
         if settled(r, z, J, d, tolerance):
             if fresh:
                 return Ended(z, True, "no step promises to do better", J)
-            J, fresh, damping = problem.jacobian(z), True, min(damping, DAMPING)
+            J, fresh, damping = problem.jacobian(z, J), True, min(damping, DAMPING)
             continue
         trial = np.clip(z + d, p.low, p.high)
         new = problem.residuals(trial)
@@ -108,15 +110,18 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
                 if damping > LARGEST:
                     break
             else:
-                J, fresh = problem.jacobian(z), True
+                J, fresh = problem.jacobian(z, J), True
             continue
         refused = 0
         damping *= 0.1 if gain > GOOD else 1.0
         reach *= 2.0 if gain > GOOD else 1.0
         J, fresh = J + np.outer(new - r - J @ d, d) / (d @ d), False
         z, r = trial, new
-        if gain < SECANT or problem.brings_derivatives(z):
-            J, fresh = problem.jacobian(z), True
+        alone = np.array_equal(d != 0.0, problem.free(z)) and np.count_nonzero(d) == 1
+        if problem.brings_derivatives(z) or (gain < SECANT and not alone):
+            J, fresh = problem.jacobian(z, J), True
+        elif alone:  # the secant is a difference
+            fresh = bool(np.abs(d).max() <= SMALL * problem.step * max(1.0, float(np.abs(z[d != 0.0]).max())))
     if damping > LARGEST:
         return Ended(z, False, "no trial does better, though derivatives promise it: loosen the tolerance of the fit, "
                      "or tighten those of the model", J if fresh else None)  # fmt: skip

@@ -80,7 +80,9 @@ def read(path: str | PathLike[str]) -> Optimise:
         if name not in parts:
             raise InputError(f"<febio_optimize> has no <{name}>", root.where)
     if "Task" in parts and parts["Task"].text.strip() != "solve":
-        raise InputError(f"<Task>{parts['Task'].text.strip()}</Task>: febkit has one task, solve", parts["Task"].where)
+        said = parts["Task"].text.strip()
+        why = f"<Task>{said}</Task>: febkit has one task, solve" if said else "the task is a text, <Task>solve</Task>"
+        raise InputError(why, parts["Task"].where)
     method, options, verbose = _options(parts.get("Options"))
     parameters = _parameters(parts["Parameters"])
     A, b = _constraints(parts.get("Constraints"), len(parameters))

@@ -172,12 +172,13 @@ class Problem:
         worst = self.best.objective if self.best is not None else 1.0
         return f if math.isfinite(f) else 1e3 * max(worst, 1e-300) + 1.0
 
-    def jacobian(self, z: Floats) -> Floats:
+    def jacobian(self, z: Floats, old: Floats | None = None) -> Floats:
         """(m, n) dr/dz: exact where a run has brought derivatives, else by one-sided differences.
 
         A run that fails, or cuts a time step that the present one does not, is tried on the other side, then with a
-        quarter of the step.
+        quarter of the step. ``old``: of parameters at their bounds its columns do.
         """
+        wanted = np.ones(len(z), bool) if old is None else self.free(z)
         made = self._made(z)
         if made is None:
             raise Stopped(self.why)
@@ -187,9 +188,17 @@ class Problem:
             if slopes.keys() <= m.by.keys():
                 J = sum(np.outer(m.by[path], slope) for path, slope in slopes.items())
             else:
-                J = np.column_stack([self._difference(e, z, k, m) for k in range(len(self.parameters))])
+                none = np.zeros(len(m.found))
+                J = np.column_stack([self._difference(e, z, k, m) if w else none for k, w in enumerate(wanted)])
             rows.append(e.weight[:, None] * J)
-        return np.vstack(rows)
+        out = np.vstack(rows)
+        if old is not None and not self.brings_derivatives(z):
+            out[:, ~wanted] = old[:, ~wanted]
+        return out
+
+    def free(self, z: Floats) -> NDArray[np.bool_]:
+        """(n,) which parameters are within their bounds."""
+        return np.asarray((z > self.parameters.low) & (z < self.parameters.high))
 
     def brings_derivatives(self, z: Floats) -> bool:
         """Have the runs at z brought all derivatives?"""

@@ -52,8 +52,19 @@ def placed(e: InputError, path: str | Path, names: Iterable[Any]) -> InputError:
     if e.where is not None:
         return e
     told = [n for name in names for n in ([name] if isinstance(name, str) else name) if n in e.message]
-    where = entry(Where(str(path)), max(told, key=len), "parameters") if told else Where(str(path))
-    return InputError(e.message, where)
+    if told:
+        return InputError(e.message, entry(Where(str(path)), max(told, key=len), "parameters"))
+    return InputError(e.message, _observed(path, e.message) if ": observe" in e.message else Where(str(path)))
+
+
+def _observed(path: str | Path, message: str) -> Where:
+    """Where observe = ... stands, of several the one whose words the message has."""
+    found = []
+    for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
+        head, equals, words = line.partition("=")
+        if equals and head.strip() == "observe":
+            found.append((not any(w in message for w in words.split('"')[1::2]), number))
+    return Where(str(path), min(found)[1]) if found else Where(str(path))
 
 
 def _experiment(t: Entries, base: Path) -> Experiment:

@@ -99,8 +99,10 @@ def test_data_of_all_kinds_are_the_same(tmp_path: Path) -> None:
     t, a, b = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), np.array([7.0, np.nan, 9.0])
     path = tmp_path / "d.csv"
     path.write_text("# a comment\ntime, a, b\n1,4,7\n2,5,\n3,6,9\n")
+    savetxt = tmp_path / "e.csv"
+    np.savetxt(savetxt, np.column_stack([t, a, b]), delimiter=",", header="time,a,b", comments="")
     frame = pd.DataFrame({"time": t, "a": a, "b": b})
-    given: list[Any] = [path, str(path), np.column_stack([t, a, b]), (t, a, b), frame, frame.set_index("time"),
+    given: list[Any] = [path, str(path), savetxt, np.column_stack([t, a, b]), (t, a, b), frame, frame.set_index("time"),
                         frame[["time", "b", "a"]], xr.Dataset({"a": ("t", a), "b": ("t", b)}, {"t": t})]  # fmt: skip
     for d in given:
         found = data.columns(d, ["a", "b"])
@@ -114,12 +116,19 @@ def test_data_of_all_kinds_are_the_same(tmp_path: Path) -> None:
     ("given", "why"),
     [
         ([1.0, 2.0], "data are"), ("none.csv", "none.csv: cannot read"), (np.ones((3, 4)), "3 columns"),
-        (np.array([[1.0, np.nan]]), "no finite values"), (pd.Series(["x"], [1.0]), "must be numbers"),
+        (np.array([[1.0, np.nan]]), "no finite values"), (np.array([[1.0, np.inf]]), "that is not finite"),
+        (pd.Series(["x"], [1.0]), "must be numbers"),
     ],
 )  # fmt: skip
 def test_data_that_are_none(given: Any, why: str) -> None:
     with pytest.raises(InputError, match=why):
         data.columns(given, ["force"])
+
+
+def test_infinite_values_of_a_file_have_a_line(tmp_path: Path) -> None:
+    (tmp_path / "d.csv").write_text("time,a\n1,4\n2,inf\n")
+    with pytest.raises(InputError, match=r"d.csv:3: '2,inf' has a value that is not finite"):
+        data.columns(tmp_path / "d.csv", ["a"])
 
 
 def test_what_cannot_be_fitted_is_said(measured: np.ndarray) -> None:
@@ -200,7 +209,8 @@ def test_a_file_that_says_nothing_is_refused(tmp_path: Path, old: str, new: str,
         ("[0.2, 1.5, 5]", '["a", 1.5, 5]', ":5: low of .* must be a number"),
         ("model", "modle", ":1: unknown entry 'modle'"),
         ("[parameters]", "settings = { \"c.Q\" = 1 }\n[parameters]", ": c.Q: .* no parameter 'Q'"),
-        ("top z", "lid z", ": .*'lid'"),
+        ("top z", "lid z", ":3: experiment 1: observe 'reaction lid z': .*'lid'"),
+        ("reaction top", "reacton top", ":3: experiment 1: observe: observable 'reacton top z'"),
         ("1,-0.1\n", "1,-0.1\n900,-0.1\n", ": experiment 1: data lie at 1 to 900, the run's end at"),
         ("elastic.E\" = [0.2, 1.5, 5]", "elastic.E\" = [0.2, 1.5, 5]\n\"c.g1\" = [0, 0.5, 1]", ":5: 2 parameters"),
     ],

@@ -57,6 +57,25 @@ def test_a_bound_that_holds_the_best_back() -> None:
     assert not np.isnan(f.intervals["k"]).any()
 
 
+def test_of_what_is_at_its_bound_no_differences_are_made() -> None:
+    from scipy.optimize import least_squares
+
+    seen: list[tuple[float, float]] = []
+
+    def curve(a: float, k: float) -> Any:
+        seen.append((a, k))
+        return decay(a, k)
+
+    p = posed(noise=0.01, a=(0.1, 0.5, 1.5), k=(0.1, 0.3, 5.0))
+    y = p.experiments[0].y
+    p.experiments = [experiment(curve, y)]
+    f = fitted(p)
+    there = [a for a, _ in seen].index(1.5)
+    assert all(a == 1.5 for a, _ in seen[there:])
+    best = least_squares(lambda q: decay(*q) - y, (0.5, 0.3), bounds=((0.1, 0.1), (1.5, 5.0)), xtol=1e-12)
+    assert f.values == pytest.approx(dict(zip("ak", best.x)), rel=1e-5)
+
+
 def test_runs_that_fail_are_steps_too_long() -> None:
     def fragile(a: float, k: float) -> Any:
         if a > 2.2 or k > 1.9:
