@@ -131,8 +131,6 @@ def least_squares(problem: Problem, tolerance: Tolerance, most: int = 100, A: Fl
 def _step(p: Parameters, z: Floats, r: Floats, J: Floats, damping: float, reach: float,
           plane: tuple[Floats, Floats] | None) -> Floats:  # fmt: skip
     """The d within the bounds that makes |r + J d|^2 + damping |D d|^2 least, D the sizes of J's columns."""
-    from scipy.optimize import lsq_linear
-
     size = np.sqrt((J**2).sum(axis=0))
     D = np.where(size > 0, size, max(float(size.max()), 1e-300))
     left, right = [J / D, math.sqrt(damping) * np.eye(len(z))], [-r, np.zeros(len(z))]
@@ -140,8 +138,13 @@ def _step(p: Parameters, z: Floats, r: Floats, J: Floats, damping: float, reach:
         A, b = plane
         left.append(HEAVY * A / D / np.linalg.norm(A / D))
         right.append(HEAVY * (b - A @ z) / np.linalg.norm(A / D))
-    bounds = (np.maximum(p.low - z, -reach) * D, np.minimum(p.high - z, reach) * D)
-    return np.asarray(lsq_linear(np.vstack(left), np.concatenate(right), bounds, method="bvls").x / D)
+    low, high = np.maximum(p.low - z, -reach) * D, np.minimum(p.high - z, reach) * D
+    x = np.linalg.lstsq(np.vstack(left), np.concatenate(right), rcond=None)[0]
+    if (x < low).any() or (x > high).any():
+        from scipy.optimize import lsq_linear  # takes longer to import than a small model to run
+
+        x = lsq_linear(np.vstack(left), np.concatenate(right), (low, high), method="bvls").x
+    return np.asarray(x / D)
 
 
 def settled(r: Floats, z: Floats, J: Floats, d: Floats, tolerance: Tolerance) -> bool:

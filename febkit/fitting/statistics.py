@@ -68,7 +68,7 @@ class Statistics:
 
 def statistics(parameters: Parameters, z: Floats, r: Floats, J: Floats, known: bool, level: float = 0.95) -> Statistics:
     """Of the fit at z with residuals r (m,) and their derivatives J (m, n); ``known``: weights are 1/sigma."""
-    from scipy.stats import norm, t
+    from scipy.special import ndtri, stdtrit  # quantiles: scipy.stats takes long to import
 
     values, n = parameters.values(z), len(parameters)
     width = 1e-6 * (parameters.high - parameters.low)
@@ -87,7 +87,7 @@ def statistics(parameters: Parameters, z: Floats, r: Floats, J: Floats, known: b
         column = np.sqrt((J[:, free] ** 2).sum(axis=0))
         U = J[:, free] / column
         cov[np.ix_(free, free)] = sigma**2 * np.linalg.inv(U.T @ U) / np.outer(column, column)
-    q = float(norm.ppf(0.5 + level / 2) if known else t.ppf(0.5 + level / 2, max(left, 1)))
+    q = float(ndtri(0.5 + level / 2) if known else stdtrit(max(left, 1), 0.5 + level / 2))
     half = q * np.sqrt(np.diag(cov))
     low = np.array([_outer(p, v) for p, v in zip(parameters.every, z - half)])
     high = np.array([_outer(p, v) for p, v in zip(parameters.every, z + half)])

@@ -163,13 +163,13 @@ def of_observables(observe: Observe, base: xr.Dataset, derivatives: xr.Dataset) 
 
     from febkit.observe import observables
 
-    names = list(derivatives.data_vars)
-    exact = base.assign({n: base[n].astype(np.float64) for n in names})
+    exact = {n: (base[n].dims, base[n].values.astype(np.float64), base[n].attrs) for n in derivatives.data_vars}
     out: dict[str, list[xr.DataArray]] = {}
     chosen = observables(observe)
     for k in range(derivatives.sizes["parameter"]):
         h = NEAR * float(derivatives["size"][k])
-        ends = [exact.assign({n: exact[n] + s * h * derivatives[n][k].values for n in names}) for s in (1.0, -1.0)]
+        slopes = {n: h * derivatives[n].values[k] for n in exact}
+        ends = [base.assign({n: (d, v + s * slopes[n], a) for n, (d, v, a) in exact.items()}) for s in (1.0, -1.0)]
         for name, o in chosen.items():
             out.setdefault(name, []).append((o(ends[0]) - o(ends[1])) / (2.0 * h))
     joined = {n: xr.concat(v, derivatives["parameter"]) for n, v in out.items()}
