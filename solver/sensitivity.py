@@ -8,7 +8,8 @@ to U, where it leaves the residual R(U), the variations go to U' where R'(U') = 
 y_n derivatives of histories h_n: all derivatives of R and of the laws' updates are differences along the directions
 that are needed. The factorisation that Newton's last iteration leaves stands in for K^-1, for all parameters at once;
 multisecant corrections as in :class:`.quasi_newton.Anderson`, of pairs that all parameters share, make good for what
-it is not. Step sizes are the run's: they have no derivatives.
+it is not. They end where the error that is expected of the last one is small: by what one of its kind left in the last
+step that took two. Step sizes are the run's: they have no derivatives.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .finite import NotFinite
+from .forecast import Past
 from .group import ElementFailure
 from .linear.base import LinearError, LinearSolver
 from .linear.pardiso import Pardiso
@@ -117,7 +119,7 @@ class Sensitivities(Listener):
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))
-        self._begun, self._made, self._far = False, -1, 0.0
+        self._begun, self._made, self._far, self._past = False, -1, 0.0, Past()
         if self.varied and run.newton.augments:
             run.newton.before_augment = lambda: self._follow(run, augment=True)
 
@@ -135,6 +137,7 @@ class Sensitivities(Listener):
         self.steps[-1].append((run.state.time, run.stepper.at_must_point))
         if not run.newton.augments:
             self._follow(run)
+        self._past.add(run.state.dt, run.newton.increment[run.newton.rows])
         far = JUMP * self._far
         for v in self.live:
             v.end()
@@ -173,11 +176,17 @@ class Sensitivities(Listener):
         if not self.live:
             return
         with run.clock("sensitivities"):
-            _each(self.live, Variation.again if self._begun else Variation.begin)
+            _each(self.live, Variation.again if self._begun else self._beginner(run))
             self._begun = True
             self._match(run)
             if augment:
                 _each(self.live, lambda v: v.newton.augment())
+
+    def _beginner(self, run: Run) -> Callable[[Variation], None]:
+        """What begins the step in a variation, told what the run has done in it beside what was foreseen."""
+        grown = run.newton.increment[run.newton.rows]
+        mean, bend = self._past.led(run.state.dt, len(grown))
+        return lambda v: v.begin(grown - mean, bend)
 
     def _match(self, run: Run) -> None:
         """Bring the variations to the run's residual."""
@@ -187,7 +196,8 @@ class Sensitivities(Listener):
         # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
         self._sizes = np.maximum(self._sizes, [norm(U[own]) for own in self._fields])
         self._far = norm(U)
-        pairs, active = _Pairs(U, self._fields), {v: _Search(v, v.usual if fresh else 1.0) for v in self.live}
+        pairs = _Pairs(U, self._fields)
+        active = {v: _Search(v, v.usual if fresh else v.worn(inverse.made)) for v in self.live}
         for _ in range(MOST):
             found = _each(active, lambda v: (v.look() - R) / v.delta)
             self.passes += len(found)
@@ -196,6 +206,8 @@ class Sensitivities(Listener):
                 if s.left:
                     pairs.add(s.u, s.y - y, s.of.delta)
                 s.aim(y, *self._weights(s.of, y))
+                if len(s.left) == 2 and not fresh:
+                    s.of.wears(inverse.made, s.rate)
             for s in active.values():
                 s.u = pairs.corrected(s.y, s.w)
                 s.of.correct(s.u)

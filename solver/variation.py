@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .forecast import Forecast
 from .newton import Counts, Newton
 from .problem import Problem
 from .route import Route
@@ -15,6 +16,8 @@ from .step_state import Part
 from .system import System
 
 Floats = NDArray[np.float64]
+ALIKE = 1.25  # step sizes within this factor: an old factorisation does for one what it did for the other,
+CAREFUL = 2.0  # or leaves so many times as much
 
 
 class Variation(Run):
@@ -55,7 +58,10 @@ class Variation(Run):
         if not np.array_equal(self.newton.rows, self.base.newton.rows):
             self.lost = "the unknowns of the model change with it"
         self.grown = np.zeros(len(self.newton.rows))
-        self._past: list[tuple[float, Floats]] = []
+        layout, column = self.system.layout, self.system.eqs.column[self.newton.rows]
+        fields = [layout.equations(f, column) for f in layout.normed]
+        self._forecast = Forecast(fields, len(self.grown), learns=self.base.newton.reuse)  # else it would not pay
+        self._worn: list[tuple[int, float, float]] = []
         remembers = any(g.physics.recalls or g.new.shape[1] for g in self.groups)
         turns = self.bodies is not None or self.system.rotations is not None
         self._light = not (remembers or turns or self.system.contacts or self.system.following)
@@ -65,8 +71,8 @@ class Variation(Run):
         return [] if self.system is None else [*self.system.acting]
 
     # ---- time steps -------------------------------------------------------------------------------
-    def begin(self) -> None:
-        """Begin the time step that the base has taken; the first place to look is where the last steps lead."""
+    def begin(self, beside: Floats, bend: Floats) -> None:
+        """Begin the time step that the base has taken; the first place to look is where :mod:`.forecast` has it."""
         system, n, base = self.system, self.newton, self.base
         assert system is not None and base.system is not None
         if self._waits:
@@ -83,7 +89,7 @@ class Variation(Run):
             for own, led in zip(system.contacts, base.system.contacts):
                 own.restore(_led(own.snapshot(), led.snapshot()))
         system.progress.iterations = base.system.progress.iterations
-        self._head(self._guess(self.state.dt))
+        self._head(self._forecast(self.state.dt, beside, bend))
 
     def again(self) -> None:
         """The base has gone on within the step, with new multipliers: look where it is now."""
@@ -92,14 +98,17 @@ class Variation(Run):
         self.system.progress.iterations = self.base.system.progress.iterations
         self._head(self._last)
 
-    def _guess(self, dt: float) -> Floats:
-        """x by the rate over the last steps, as many as are at least half as long as this one."""
-        length, grown = 0.0, np.zeros(len(self.newton.rows))
-        for h, x in reversed(self._past):
-            length, grown = length + h, grown + x
-            if length >= 0.5 * dt:
-                break
-        return grown * (dt / length) if length else grown
+    def worn(self, made: int) -> float:
+        """What a correction by an old factorisation, one of ``made``, may leave of an error in the present step."""
+        own = self.state.dt
+        for key, dt, rate in reversed(self._worn):
+            if key == made and max(dt, own) <= ALIKE * min(dt, own):
+                return min(1.0, CAREFUL * rate)
+        return 1.0
+
+    def wears(self, made: int, rate: float) -> None:
+        """It has left ``rate`` of one."""
+        self._worn = [*self._worn[-3:], (made, self.state.dt, rate)]  # steps alternate between long ones and short ones
 
     def _head(self, x: Floats) -> None:
         self._ahead = self.base.newton.increment.copy()
@@ -138,7 +147,7 @@ class Variation(Run):
 
     def end(self) -> None:
         """The time step ends."""
-        self._past = [*self._past[-2:], (self.state.dt, self._last)]
+        self._forecast.learn(self.state.dt, self._last)
         self.grown = self.grown + self._last
         self.newton.finish()
 

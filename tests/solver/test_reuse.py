@@ -14,14 +14,15 @@ from febkit.solver.options import Options
 from febkit.solver.physics.biphasic import Biphasic
 from febkit.solver.problem import TRANSIENT, Fixed, NewtonOptions, Prescribed, Problem, Step
 from febkit.solver.quasi_newton import Anderson
-from febkit.solver.run import run
+from febkit.solver.run import Run, run
+from febkit.solver.sensitivity import Sensitivities
 from febkit.solver.solids.neo_hookean import NeoHookean
 from febkit.solver.values import Constant, Scaled
 from helpers import scenes
 from helpers.scenes import UX, UY, UZ, P
 
 
-def relaxing(n: int = 4) -> Problem:
+def relaxing(n: int = 4, E: float = 1.0, perm: float = 0.05, tolerance: float = 1e-4) -> Problem:
     """Confined stress relaxation of a biphasic column, fixed steps."""
     from febkit.solver.permeabilities.const_iso import ConstIso
     from febkit.solver.problem import Block
@@ -33,9 +34,9 @@ def relaxing(n: int = 4) -> Problem:
     conditions = [
         *holds, Fixed(UZ, np.flatnonzero(X[:, 2] < 1e-9)), Prescribed(UZ, top, ramp), Fixed(P, top),
     ]  # fmt: skip
-    block = Block("column", "hex8", conn, np.arange(1, len(conn) + 1), NeoHookean(E=1.0, v=0.2),
-                  Biphasic(ConstIso(perm=0.05)))  # fmt: skip
-    newton = NewtonOptions(dtol=1e-4, etol=1e-8, ptol=1e-4)
+    block = Block("column", "hex8", conn, np.arange(1, len(conn) + 1), NeoHookean(E=E, v=0.2),
+                  Biphasic(ConstIso(perm=perm)))  # fmt: skip
+    newton = NewtonOptions(dtol=tolerance, etol=1e-4 * tolerance, ptol=tolerance)
     step = Step(analysis=TRANSIENT, dt=0.1, count=30, newton=newton, conditions=conditions)
     return Problem(X, [block], [step])
 
@@ -48,6 +49,24 @@ def test_reuse_gives_the_same_answer_with_fewer_factorisations():
     assert kept.totals.steps == fresh.totals.steps
     d, e = fresh.state.d, kept.state.d
     assert np.linalg.norm(e - d) < 1e-4 * np.linalg.norm(d)
+
+
+def test_derivatives_of_runs_that_keep_factorisations() -> None:
+    """Against central differences of whole runs; steps are foretold, and a correction by an old factorisation does."""
+    amounts = {"E": 1e-6, "perm": 0.05e-6}
+    varied = [[(relaxing(**{n: v + amounts[n]}), amounts[n])] for n, v in (("E", 1.0), ("perm", 0.05))]
+    s = Sensitivities(varied)
+    base = Run(relaxing(), [s], Options(threads=1, factor="reuse"))
+    assert base.solve().converged and not any(v.lost for v in s.all)
+    assert s.passes < 1.5 * 2 * base.totals.steps
+    for k, (name, v) in enumerate((("E", 1.0), ("perm", 0.05))):
+        h = 1e-4 * v
+        ends = [run(relaxing(**{name: v + w, "tolerance": 1e-8}), options=Options(threads=1)).state.d for w in (h, -h)]
+        wanted = (ends[0] - ends[1]) / (2 * h)
+        found = s.of(k, lambda r: r.state.d)
+        for field in (slice(0, 3), slice(3, 4)):
+            off = np.linalg.norm((found - wanted)[:, field])
+            assert off < 2e-3 * np.linalg.norm(wanted[:, field]), (name, field)
 
 
 def _spd(n: int = 60, seed: int = 1) -> tuple[Matrix, np.ndarray]:

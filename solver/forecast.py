@@ -1,0 +1,79 @@
+"""What a vector grows by in a time step, told from the steps before: where variations of a run begin to look."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .vectors import norm
+
+Floats = NDArray[np.float64]
+STEPS = 6  # before the present one that are looked at
+MANY = 1000  # unknowns of a field from which it is learnt
+FADE = 0.3  # what counts of the steps before the last one in what is learnt
+
+
+class Past:
+    """What a vector grew by in the last steps."""
+
+    def __init__(self) -> None:
+        self.steps: list[tuple[float, Floats]] = []  # length and growth
+
+    def add(self, dt: float, x: Floats) -> None:
+        self.steps = [*self.steps[1 - STEPS :], (dt, x)]
+
+    def led(self, dt: float, n: int) -> tuple[Floats, Floats]:
+        """Growth (n,) in a step dt at the mean rate of the last steps, and by its trend: (rate - rate before) / length.
+
+        As many steps make one as are at least half as long as dt: rates over less are too rough. A rate is that of the
+        end of a step, as backward Euler has it.
+        """
+        spans: list[tuple[float, Floats]] = []
+        for h, x in reversed(self.steps):
+            if spans and spans[-1][0] < 0.5 * dt:
+                spans[-1] = spans[-1][0] + h, spans[-1][1] + x
+            elif len(spans) < 2:
+                spans.append((h, x))
+            else:
+                break
+        if not spans:
+            return np.zeros(n), np.zeros(n)
+        length, rate = spans[0][0], spans[0][1] / spans[0][0]
+        if len(spans) < 2:
+            return dt * rate, np.zeros(n)
+        return dt * rate, (dt * dt / length) * (rate - spans[1][1] / spans[1][0])
+
+
+class Forecast:
+    """Of derivatives of a run: their mean rate and, where it ``learns``, as much of its trend and of what the run
+    itself does beside its own mean and trend as was right in the last steps, by least squares in which fields count
+    alike."""
+
+    def __init__(self, fields: list[NDArray[np.int64]], n: int, learns: bool) -> None:
+        self._some, self._n, self._past = [f[:: max(1, len(f) // MANY)] for f in fields], n, Past()
+        self._G, self._b = np.zeros((3, 3)), np.zeros(3)
+        self._learns, self._led = learns, (np.zeros(n), [np.zeros(n)] * 3)
+
+    def __call__(self, dt: float, beside: Floats, bend: Floats) -> Floats:
+        """x (n,) in a step dt in which the run grows by ``beside`` more than at its mean rate, by ``bend`` in trend."""
+        mean, trend = self._past.led(dt, self._n)
+        if not self._learns:
+            return mean
+        self._led = mean, [trend, beside, bend]
+        out = mean.copy()
+        for c, term in zip(np.linalg.lstsq(self._G, self._b, rcond=1e-10)[0], self._led[1]):
+            out += c * term
+        return out
+
+    def learn(self, dt: float, x: Floats) -> None:
+        """The step dt is over, in which it grew by x."""
+        if self._past.steps and self._learns:
+            self._G, self._b = FADE * self._G, FADE * self._b
+            mean, terms = self._led
+            for f in self._some:
+                T, y, grown = np.array([q[f] for q in terms]), (x - mean)[f], norm(self._past.steps[-1][1][f])
+                if grown > 0.0:
+                    w = 1.0 / grown**2
+                    self._G += w * np.einsum("ir,jr->ij", T, T)
+                    self._b += w * np.einsum("ir,r->i", T, y)
+        self._past.add(dt, x)
