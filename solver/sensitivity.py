@@ -176,9 +176,9 @@ class Sensitivities(Listener):
         if not self.live:
             return
         with run.clock("sensitivities"):
-            _each(self.live, Variation.again if self._begun else self._beginner(run))
+            first = Variation.again if self._begun else self._beginner(run)
             self._begun = True
-            self._match(run)
+            self._match(run, first)
             if augment:
                 _each(self.live, lambda v: v.newton.augment())
 
@@ -188,8 +188,8 @@ class Sensitivities(Listener):
         mean, bend = self._past.led(run.state.dt, len(grown))
         return lambda v: v.begin(grown - mean, bend)
 
-    def _match(self, run: Run) -> None:
-        """Bring the variations to the run's residual."""
+    def _match(self, run: Run, first: Callable[[Variation], None]) -> None:
+        """Bring the variations to the run's residual, each once ``first`` is done."""
         assert run.system is not None
         R, U, inverse = run.newton.left[run.newton.rows], _unknowns(run), run.newton.inverse
         fresh, self._made = inverse.made != self._made, inverse.made
@@ -199,7 +199,7 @@ class Sensitivities(Listener):
         pairs = _Pairs(U, self._fields)
         active = {v: _Search(v, v.usual if fresh else v.worn(inverse.made)) for v in self.live}
         for _ in range(MOST):
-            found = _each(active, lambda v: (v.look() - R) / v.delta)
+            found = _differences(active, R, first)
             self.passes += len(found)
             active = {v: active[v] for v in found}
             for s, y in zip(active.values(), solve_all(inverse.solver, np.array(list(found.values())))):
@@ -282,6 +282,13 @@ def _each(runs: Any, do: Callable[[Variation], Any]) -> dict[Variation, Any]:
         except (ElementFailure, NotFinite, LinearError, ArithmeticError) as e:
             v.lost = f"{e}, at time {v.state.time:g}"
     return out
+
+
+def _differences(
+    active: dict[Variation, _Search], R: Floats, first: Callable[[Variation], None]
+) -> dict[Variation, Any]:  # fmt: skip
+    """Of residuals from R (row,), over what parameters differ by; at the first look once ``first`` is done."""
+    return _each(active, lambda v: (v.look(None if active[v].left else first) - R) / v.delta)
 
 
 def solve_all(solver: LinearSolver, B: Floats) -> Floats:

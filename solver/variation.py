@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -119,8 +120,10 @@ class Variation(Run):
         self._ahead = np.zeros_like(self.newton.total)
         self._ahead[self.newton.rows] = self.delta * u
 
-    def look(self) -> Floats:
-        """Move as corrected; the residual (row,)."""
+    def look(self, first: Callable[[Variation], None] | None = None) -> Floats:
+        """Move as corrected, once ``first`` is done, whose arrays are in the cache then; the residual (row,)."""
+        if first is not None:
+            first(self)
         self.newton.move(self._ahead)
         self._take()
         return np.asarray(self.newton.residual()[self.newton.rows])
