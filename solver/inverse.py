@@ -186,6 +186,7 @@ class Inverse:
         for s in saved:
             dt, *tally = s["tally"]
             f = Factor(dt, self._make() if self._kept else self.solver, *tally)
+            f.solver.stats = dict(s["stats"])
             for values in (s["first"], s["last"]):
                 if values is not None:
                     A = matrix()
