@@ -4,8 +4,8 @@ LDL^T for symmetric storage (matrix type -2), LU for the rest (type 11). The reo
 Source: Intel oneMKL developer reference, "oneMKL PARDISO - Parallel Direct Sparse Solver Interface".
 
 Tangents of solids are positive definite, those with pressures quasi-definite: both have an LDL^T in any order without
-pivoting (Vanderbei, SIAM J Optim 5, 1995), at two thirds of the time that Bunch and Kaufman's takes. Theirs is taken from
-where a pivot was perturbed, or where a matrix that is not positive definite is not solved well.
+pivoting (Vanderbei, SIAM J Optim 5, 1995), at two thirds of the time that Bunch and Kaufman's takes. Theirs is taken
+from where a pivot was perturbed, or where a matrix that is not positive definite is not solved well.
 """
 
 from __future__ import annotations
