@@ -40,7 +40,7 @@ def test_edit_and_solve(tmp_path: Path) -> None:
     assert example("edit_and_solve").main(febkit.read(tmp_path / "m.feb")) == pytest.approx(2.0, rel=2e-3)
 
 
-STUDIES = ["biomultiscale", "study_depths", "study_full_B", "study_reduced", "study_size", "study_triphasic"]
+STUDIES = ["biomultiscale", "study_depths", "study_full", "study_reduced", "study_size", "study_triphasic"]
 
 
 @pytest.mark.parametrize("name", STUDIES)
