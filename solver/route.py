@@ -47,7 +47,7 @@ class Route:
             from .storage import unknowns
 
             known = unknowns(self.system)
-        return choose(name, self.rows, self.threads, single, known, self.system.mixed)
+        return choose(name, self.rows, self.threads, single, known, self.system.mixed, bool(self.system.contacts))
 
     def keeps(self) -> bool:
         """Is a factorisation kept over time steps?"""

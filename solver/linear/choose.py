@@ -9,12 +9,14 @@ PARALLEL = 3000  # equations below which threads cost a factorisation more than 
 
 
 def choose(
-    name: str, equations: int, threads: int, single: bool = False, unknowns: Unknowns | None = None, mixed: bool = False
-) -> LinearSolver:
+    name: str, equations: int, threads: int, single: bool = False, unknowns: Unknowns | None = None,
+    mixed: bool = False, pivoting: bool = False,
+) -> LinearSolver:  # fmt: skip
     """``auto``: dense LU up to 250 equations, else MKL PARDISO, else SuperLU. Others force one.
 
     ``single``: PARDISO may keep its factor in single precision (the caller corrects by GMRES).
-    ``mixed``: there are pressures or penalties. ``unknowns``: what "iterative" builds its blocks from.
+    ``mixed``: there are pressures or penalties; ``pivoting``: LDL^T pivots from the start.
+    ``unknowns``: what "iterative" builds its blocks from.
     """
     if name == "iterative" and unknowns is not None:
         from .iterative import Iterative
@@ -27,7 +29,7 @@ def choose(
     from .pardiso import Pardiso, library
 
     if name == "pardiso" or (name == "auto" and library() is not None):
-        return Pardiso(threads if equations >= PARALLEL else 1, single, mixed)
+        return Pardiso(threads if equations >= PARALLEL else 1, single, mixed, pivoting)
     if name in ("auto", "superlu"):
         from .superlu import SuperLU
 

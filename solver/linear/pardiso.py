@@ -5,7 +5,8 @@ Source: Intel oneMKL developer reference, "oneMKL PARDISO - Parallel Direct Spar
 
 Tangents of solids are positive definite, those with pressures quasi-definite: both have an LDL^T in any order without
 pivoting (Vanderbei, SIAM J Optim 5, 1995), at two thirds of the time that Bunch and Kaufman's takes. Theirs is taken
-from where a pivot was perturbed, or where a matrix that is not positive definite is not solved well.
+from where a pivot was perturbed, or where a matrix that is not positive definite is not solved well; and with contact,
+where rounding may decide which facet a node meets, and FEBio's is that of these pivots.
 """
 
 from __future__ import annotations
@@ -105,16 +106,18 @@ class Pardiso:
     """Direct solver. ``single`` keeps the factor in single precision (as a preconditioner).
 
     ``mixed``: displacements and pressures, or penalties, whose pivots differ by many orders of magnitude.
+    ``pivoting``: Bunch and Kaufman's from the first factorisation on.
     """
 
-    def __init__(self, threads: int = 0, single: bool = False, mixed: bool = False) -> None:
+    def __init__(self, threads: int = 0, single: bool = False, mixed: bool = False, pivoting: bool = False) -> None:
         lib = library()
         if lib is None:
             raise LinearError("MKL is not installed")
         self._lib, self._threads = lib, threads
         self.name = "MKL PARDISO"
         self.single, self.mixed = single, mixed
-        self.stats: dict[str, float] = {}
+        self.pivoting = pivoting
+        self.stats: dict[str, float] = {"pivoting": float(pivoting)}
         self._own: Analysis | None = None
         self._A: Matrix | None = None
         self._data: NDArray | None = None
@@ -122,7 +125,7 @@ class Pardiso:
     @property
     def _kind(self) -> tuple[object, ...]:
         """What an analysis depends on beside the pattern."""
-        return type(self), self._threads, self.single, self.mixed
+        return type(self), self._threads, self.single, self.mixed, self.pivoting
 
     def _setup(self, A: Matrix, ip: NDArray[np.int32]) -> None:
         ip[0] = 1  # own settings below
@@ -134,7 +137,8 @@ class Pardiso:
         ip[12] = 0 if A.symmetric else 1  # matching: quasi-definite matrices need none
         ip[17] = -1  # report factor entries
         # two levels serve many threads; on two LDL^T takes a tenth longer by them, its analysis half as long again
-        ip[23] = 1 if A.n > 5000 and not (A.symmetric and 0 < self._threads <= 4) else 0
+        few = A.symmetric and not self.pivoting and 0 < self._threads <= 4
+        ip[23] = 1 if A.n > 5000 and not few else 0
         ip[27] = int(self.single)
         ip[34] = 1  # 0-based
 
@@ -180,7 +184,7 @@ class Pardiso:
 
     def factor(self, A: Matrix) -> None:
         """Factorise; the analysis is reused while the pattern arrays stay the same objects."""
-        own, pivoting = self._analyse(A), self.stats.get("pivoting", 0.0)
+        own, pivoting = self._analyse(A), self.stats["pivoting"]
         ip = own.iparm
         ip[20] = int(pivoting)  # Bunch and Kaufman's, or the diagonal ones
         self._phase(22, A, own)
