@@ -60,7 +60,8 @@ class Kernel(Calls):  # type: ignore[misc]
         if not all(isinstance(c, (int, float, str, Kernel)) for c in enclosed):
             return None
         words = (c.__qualname__ if isinstance(c, Kernel) else repr(c) for c in enclosed)
-        return " ".join([source_hash(fn.__code__.co_filename), str(self.options), fn.__qualname__, *words])
+        options = {k: sorted(v) if isinstance(v, set) else v for k, v in self.options.items()}  # sets have no order
+        return " ".join([source_hash(fn.__code__.co_filename), str(options), fn.__qualname__, *words])
 
     def symbol(self, types: str) -> str:
         """The name of the machine code for these types. Raises LookupError where it has none."""

@@ -6,6 +6,7 @@ import hashlib
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -99,3 +100,17 @@ def test_a_processor_takes_the_best_level_that_it_has(built: Path, monkeypatch: 
     monkeypatch.setattr(library, "level", level)
     library._library.cache_clear()
     assert not _compiles()
+
+
+def test_names_of_machine_code_are_the_same_in_every_process() -> None:
+    """Options may be sets, whose order changes from process to process: code that was shipped would not be found."""
+    program = (
+        "from febkit.solver.kernels.biphasic import internal_force as k; "
+        "assert any(isinstance(v, set) and len(v) > 2 for v in k.options.values()); print(k.symbol('int'))"
+    )
+    names = {
+        subprocess.run([sys.executable, "-c", program], env={**os.environ, "PYTHONHASHSEED": str(seed)},
+                       capture_output=True, text=True, check=True).stdout
+        for seed in (1, 2, 3)
+    }  # fmt: skip
+    assert len(names) == 1
