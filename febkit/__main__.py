@@ -1,5 +1,5 @@
 """``python -m febkit``."""
 
-from febkit.cli.main import main
+from febkit.cli.main import command
 
-main()
+command()

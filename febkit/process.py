@@ -1,10 +1,15 @@
-"""What a process that solves is set to, before it does."""
+"""What a process that solves is set to, before it does, and how it ends."""
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import sys
-from contextlib import suppress
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import NoReturn
 
 
 def one_blas_thread() -> None:
@@ -27,3 +32,34 @@ def keep_freed_memory() -> None:
         trim, map_above = -1, -3
         mallopt(trim, 256 << 20)
         mallopt(map_above, 32 << 20)
+
+
+@contextmanager
+def nothing_collected() -> Iterator[None]:
+    """What is imported and set up within stays: the garbage collector does not go through it, not until :func:`settled`
+    nor, as far as it is there by then, after (it took a twentieth of a small run)."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        settled()
+
+
+def settled() -> None:
+    """From here on garbage is collected, of what is made from here on."""
+    gc.freeze()
+    gc.enable()
+
+
+def leave(code: int) -> NoReturn:
+    """End the process: at once where nobody asked to be told, else as Python does.
+
+    Taking apart, object by object, what a process of one small model has imported is a sixth of its time.
+    """
+    asked = getattr(atexit, "_ncallbacks", lambda: 1)() or threading.active_count() > 1
+    if asked or sys.gettrace() or sys.getprofile():
+        sys.exit(code)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)

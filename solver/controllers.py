@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import fmod, inf
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from .record import variable_record
 
 Floats = NDArray[np.float64]
 Function = Callable[[float], float]
@@ -34,7 +36,7 @@ def _known(text: str, names: Sequence[str], what: str) -> str:
     return name
 
 
-@dataclass(eq=False)
+@variable_record
 class LoadCurve:
     """A value in time through ``points`` (n, 2) of times and values, in order of time.
 
@@ -224,7 +226,7 @@ _INTERPOLATE: dict[str, Callable[[Floats, Floats], Function]] = {
 Extension = Literal["zero", "constant", "repeat"]
 
 
-@dataclass(eq=False)
+@variable_record
 class Interval:
     """A function of time on an interval, extended on either side (FEBio's "math-interval" controller)."""
 

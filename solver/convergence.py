@@ -26,6 +26,8 @@ class NotConverged(RuntimeError):
 
 @dataclass(slots=True, eq=False)
 class Norm:
+    """Squared norms: of the first iteration, of this one, and what it must not exceed."""
+
     initial: float
     now: float
     required: float

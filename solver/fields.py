@@ -7,16 +7,17 @@ a degree of freedom by FEBio's name, for views of nodal arrays, for the equation
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .record import value_record
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
+@value_record
 class Field:
     """A nodal field. ``components`` are its degrees of freedom by FEBio's names ("x", "p", "c1").
 

@@ -7,7 +7,6 @@ assembly in turn, so that no material needs to know an element, nor an element a
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from .kernels import solid
 from .law import PoreCollapse
 from .points import Points
 from .problem import Block
+from .record import variable_record
 from .solids import history
 from .state import State
 
@@ -42,8 +42,10 @@ class NegativeJacobian(ElementFailure):
         super().__init__(f"element {element} of part {part!r} turned inside out (negative Jacobian)")
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Chunk:
+    """Elements lo:hi of a block, and their points."""
+
     lo: int
     hi: int
     points: Points

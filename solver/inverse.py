@@ -10,7 +10,6 @@ so than all have on average since the factorisation, its own cost counted.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from .clock import Clock
 from .linear.base import Floats, LinearSolver, Matrix
 from .linear.krylov import Recycled, gmres
+from .record import variable_record
 
 REUSE_RATIO = 4.0  # an old factorisation is tried for a step size within this factor of its own,
 WIDE_RATIO = 50.0  # or this one where factorisations are dear
@@ -28,7 +28,7 @@ EXACT = 2e-3  # of K^-1 by iterations
 LEAST, MOST = 5, 12  # bounds of the iterations of Newton given to an old factorisation before a new one is made
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Factor:
     """A factorisation and the step size it was made for.
 

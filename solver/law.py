@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .points import Points
+from .record import variable_record
 from .values import Value, as_value
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,7 @@ class PoreCollapse(ArithmeticError):
         super().__init__(f"pores closed: relative volume {J:.4g} at solid volume fraction {phi_r:.4g}")
 
 
-@dataclass(eq=False)
+@variable_record
 class Law:
     """Subclasses are dataclasses whose fields are FEBio's tags.
 

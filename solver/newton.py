@@ -53,6 +53,8 @@ class Along(Strategy, Protocol):
 
 @dataclass(slots=True, eq=False)
 class Counts:
+    """What a time step took."""
+
     iterations: int = 0
     residuals: int = 0
     reforms: int = 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from .graph import Graph, MakeGraph
 from .linear.base import Matrix
 from .problem import Fixed, Prescribed
+from .record import record
 
 if TYPE_CHECKING:
     from .group import Group
@@ -54,7 +54,7 @@ class Equations:
         self.lead[1:] = np.cumsum(self.size)[:-1]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Unknowns:
     """A group's own columns: matrix row of each unknown of a node (node, c), equation of each prescribed one, -1 else.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .fields import DISPLACEMENT, PRESSURE, Field, Layout
 from .physics import default
+from .record import variable_record
 from .solids.base import Solid
 from .solids.inert import Inert
 from .values import Value
@@ -26,7 +27,7 @@ Ints = NDArray[np.int64]
 STATIC, STEADY, TRANSIENT, DYNAMIC = "static", "steady-state", "transient", "dynamic"
 
 
-@dataclass(eq=False)
+@variable_record
 class Block:
     """Elements of one type and material. ``conn`` (m, n) 0-based, ``ids`` (m,) labels for messages.
 
@@ -44,7 +45,7 @@ class Block:
     rule: str | None = None
 
 
-@dataclass(eq=False)
+@variable_record
 class Fixed:
     """Holds one column at zero on nodes, where no earlier condition took the node."""
 
@@ -52,7 +53,7 @@ class Fixed:
     nodes: Ints
 
 
-@dataclass(eq=False)
+@variable_record
 class Prescribed:
     """Prescribes one column on nodes: ``value(t, X[nodes], index within nodes)``.
 
@@ -66,7 +67,7 @@ class Prescribed:
     relative: bool = False
 
 
-@dataclass(eq=False)
+@variable_record
 class Initial:
     """Initial value of a column, or of the velocity of a displacement column."""
 
@@ -76,7 +77,7 @@ class Initial:
     velocity: bool = False
 
 
-@dataclass(eq=False)
+@variable_record
 class Attached:
     """Nodes that move with a rigid body (its index)."""
 
@@ -84,7 +85,7 @@ class Attached:
     nodes: Ints
 
 
-@dataclass(eq=False)
+@variable_record
 class NewtonOptions:
     """Nonlinear solve (FEBio user manual, Control section; FEBio's names in brackets).
 
@@ -141,7 +142,7 @@ class NewtonOptions:
         return self.tolerances.get(of.option, named.get(of.option, of.tolerance))
 
 
-@dataclass(eq=False)
+@variable_record
 class AutoStep:
     """FEBio's time stepper [time_stepper]."""
 
@@ -157,7 +158,7 @@ class AutoStep:
     force: bool = False
 
 
-@dataclass(eq=False)
+@variable_record
 class Saving:
     """Which states are handed to listeners [plot_level, plot_stride, plot_range, plot_zero_state]."""
 
@@ -167,7 +168,7 @@ class Saving:
     zero: bool = False
 
 
-@dataclass(eq=False)
+@variable_record
 class Step:
     """One analysis step: conditions and loads that act during it, and how it is solved."""
 
@@ -194,7 +195,7 @@ class Step:
     again: bool = True  # a time step is solved again once adaptors changed the mesh [adaptor_re_solve]
 
 
-@dataclass(eq=False)
+@variable_record
 class Progress:
     """Where the solve of a time step stands: iterations and augmentations done."""
 
@@ -202,7 +203,7 @@ class Progress:
     augmentations: int = 0
 
 
-@dataclass(eq=False)
+@variable_record
 class Problem:
     """Nodes X (node, 3), element blocks, and steps. ``common`` acts in every step.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from .record import variable_record
 from .state import State
 
 
-@dataclass(eq=False)
+@variable_record
 class Totals:
     """Work done: time steps, Newton iterations, residuals, reformations, retries, seconds by part.
 
@@ -27,7 +28,7 @@ class Totals:
     factor: dict[str, float] = field(default_factory=dict)
 
 
-@dataclass(eq=False)
+@variable_record
 class Result:
     """``converged``, or not and ``reason`` in a sentence; the final state, the times of saved states."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .record import variable_record
 from .threads import Team
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ LEAST = 256  # elements that are worth a second thread
 FEWEST = 64  # elements of a chunk where there are threads to share them
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Share:
     """What one thread does: chunks of elements, group by group."""
 

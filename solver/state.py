@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .fields import Layout
 from .problem import Problem
+from .record import variable_record
 
 Floats = NDArray[np.float64]
 
@@ -17,7 +18,7 @@ Floats = NDArray[np.float64]
 COPIED = ("d", "d_old", "velocity", "acceleration", "velocity_old", "acceleration_old", "reaction")
 
 
-@dataclass(eq=False)
+@variable_record
 class State:
     """Nodal values d (node, column), their columns as ``layout`` says; velocity and acceleration (node, 3).
 

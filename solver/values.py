@@ -8,11 +8,13 @@ not vary in space, else (n,). Values know nothing of files: the caller hands in 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .record import variable_record
 
 if TYPE_CHECKING:
     from .elements.base import Element
@@ -35,7 +37,7 @@ class Value(Protocol):
     def __call__(self, t: float, X: Floats, e: NDArray[np.int64] | None = None) -> Floats: ...
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Constant:
     """One number."""
 
@@ -47,7 +49,7 @@ class Constant:
         return np.array([self.number])
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Scaled:
     """``base * controller(t)``: a parameter with a load curve."""
 
@@ -60,7 +62,7 @@ class Scaled:
         return self.base(t, X, e) * self.controller(t)
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Expression:
     """``f(X, Y, Z, t)`` of numpy arrays, compiled by the caller from a checked formula."""
 
@@ -73,7 +75,7 @@ class Expression:
         return np.atleast_1d(np.asarray(v, dtype=float))
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Composed:
     """``f(X, Y, Z, t, **parts)``: a formula of other values, such as maps and parameters, by name."""
 
@@ -87,7 +89,7 @@ class Composed:
         return np.atleast_1d(np.asarray(self.function(X[:, 0], X[:, 1], X[:, 2], t, **parts), dtype=float))
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Map:
     """One number for each element of a block (or each item of the set the value lives on)."""
 
@@ -99,7 +101,7 @@ class Map:
         return self.data if e is None else self.data[e]
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Within:
     """A field by values at the nodes of a block's elements, ``data`` (m, n); the nodes are at ``nodes`` (m, n, 3)."""
 

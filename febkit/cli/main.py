@@ -64,6 +64,18 @@ def main() -> None:
     sys.exit(code)
 
 
+def command() -> None:
+    """The entry point of the installed command: as :func:`main`, in a process that ends with it."""
+    from febkit import process
+
+    try:
+        main()
+    except SystemExit as e:
+        if not isinstance(e.code, int):
+            raise
+        process.leave(e.code)
+
+
 def _call(args: list[str]) -> int:
     try:
         code = cli.main(_verb_first(args), prog_name="febkit", standalone_mode=False)
@@ -147,4 +159,4 @@ def _of_febio(arg: str) -> bool:
 
 
 if __name__ == "__main__":
-    main()
+    command()

@@ -16,6 +16,7 @@ from .paths import INPUT, Output
 
 if TYPE_CHECKING:
     from febkit.solver.result import Result
+    from febkit.solver.run import Run
 
 VTK = (".pvd", ".vtu")
 # endings of other kinds of file than a plotfile: nobody who gives one of them wants an .xplt of that name
@@ -103,19 +104,26 @@ def command(
         return
     process.one_blas_thread()
     process.keep_freed_memory()
-    from febkit.feb import read
-
-    m = read(path)
-    from febkit.files import stamp
-    from febkit.solving import solve
-
     said: list[str] = []
-    earlier = stamp(plot_path)
-    result = solve(
-        m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy, tolerance=tolerance,
-        stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append, data_anywhere=data_anywhere,
-        checkpoint=checkpoint, resume=resume, changed=changed, start=start,
-    )  # fmt: skip
+    with process.nothing_collected():
+        from febkit.feb import read
+
+        m = read(path)
+        from febkit.files import stamp
+        from febkit.solver.run import Listener
+        from febkit.solving import solve
+
+        class Settled(Listener):
+            def start(self, run: Run) -> None:
+                process.settled()
+
+        earlier = stamp(plot_path)
+        result = solve(
+            m, plot_path, log_path, threads=threads, linear=linear, factor=factor, accuracy=accuracy,
+            tolerance=tolerance, stabilise=float(stabilise), memory=memory, progress=not silent, warn=said.append,
+            data_anywhere=data_anywhere, checkpoint=checkpoint, resume=resume, changed=changed, start=start,
+            listeners=[Settled()],
+        )  # fmt: skip
     now = stamp(plot_path)
     kept = plot_path.is_file() and now == earlier
     if not silent:

@@ -7,11 +7,12 @@ others, N_a = sum_m C[m, a] phi_m(r) with C the inverse of phi_m(r_a). Derivativ
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..record import record, variable_record
 from .rules import rule
 
 Floats = NDArray[np.float64]
@@ -41,7 +42,7 @@ def _monomials(r: Floats, exponents: NDArray[np.int64]) -> Floats:
     return np.asarray(powers.prod(axis=2))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Element:
     """An element with one integration rule; local node order is FEBio's.
 
@@ -91,7 +92,7 @@ class Element:
         return out
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Shape:
     """The table an element's file holds; :meth:`element` makes an :class:`Element` of it."""
 

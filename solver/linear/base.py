@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..record import variable_record
 
 Floats = NDArray[np.float64]
 
@@ -20,7 +21,7 @@ class Stalled(LinearError):
     """An iterative solve did not converge; a smaller time step may."""
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Matrix:
     """Compressed rows, 0-based int32. ``symmetric``: upper triangle only, diagonal always stored.
 
@@ -48,7 +49,7 @@ class Matrix:
             self.kept.setdefault(kind, []).append(found)
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Unknowns:
     """What the rows of a tangent stand for.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..elements import nodal
 from ..elements.base import Element
 from ..fields import DISPLACEMENT
 from ..kernels.surface import add_vectors
+from ..record import record, variable_record
 from ..values import Value, as_value
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ Number = Value | float
 Vector = Sequence[Number]  # three numbers, each a value
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record
 class Patch:
     """Facets of one type: nodes, the facet element, and where its points lie in the reference.
 
@@ -83,7 +84,7 @@ def as_vector(v: Vector) -> tuple[Value, ...]:
     return tuple(as_value(x) for x in v)
 
 
-@dataclass(eq=False)
+@variable_record
 class SurfaceLoad(Action):
     """A load on facets.
 

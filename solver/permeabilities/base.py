@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..law import Floats, Law, PoreCollapse
 from ..points import Points
+from ..record import variable_record
 
 NO_TANGENT = np.empty((0, 6, 6))
 
 
-@dataclass(eq=False)
+@variable_record
 class Permeability(Law):
     """Spatial permeability K (length^4 / force / time), flux w = -K grad p.
 

@@ -12,11 +12,12 @@ matrices (hi - lo, c n, c n), component-major, their c components those of ``gro
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..record import variable_record
 
 if TYPE_CHECKING:
     from ..action import Ints, Matrices
@@ -185,7 +186,7 @@ class Work:
         return None
 
 
-@dataclass(eq=False)
+@variable_record
 class Physics:
     """``rates``: its equations have rates besides those of inertia, which transient analyses integrate."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ..fields import DISPLACEMENT, Field
 from ..kernels import blocks, solid
 from ..points import VOIGT, Points
+from ..record import variable_record
 from ..tangent import upper_blocks
 from . import register
 from .base import Floats, Physics, Work
@@ -128,7 +128,7 @@ class StandardWork(Work):
     outputs = {"stress": lambda w: w.s, "solid stress": lambda w: w.s}
 
 
-@dataclass(eq=False)
+@variable_record
 class Standard(Physics):
     """The displacement formulation, of a block's solid."""
 

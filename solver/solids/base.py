@@ -24,7 +24,7 @@ through :func:`.history.begin` before each step.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import lru_cache
 from typing import ClassVar
 
@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from ..law import Law
 from ..matrices import det
 from ..points import Points
+from ..record import variable_record
 from ..values import Value, as_value
 
 Floats = NDArray[np.float64]
@@ -42,7 +43,7 @@ Number = Value | float
 NO_TANGENT = np.empty((0, 6, 6))
 
 
-@dataclass(eq=False)
+@variable_record
 class Property:
     """A child of a material: its registry table, and whether there may be several or none."""
 
@@ -52,7 +53,7 @@ class Property:
     default: str | None = None  # type taken where the file names none
 
 
-@dataclass(eq=False)
+@variable_record
 class Solid(Law):
     """A solid. Subclasses are dataclasses whose :class:`Value` fields are its parameters.
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Solid
 
 
-@dataclass(eq=False)
+@variable_record
 class Inert(Solid):
     """Mass, and no stress."""
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from ..law import Floats, Law
 from ..points import Points
+from ..record import variable_record
 
 
-@dataclass(eq=False)
+@variable_record
 class Supply(Law):
     """Volume of fluid made per current mixture volume and time.
 

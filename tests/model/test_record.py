@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import pickle
-from dataclasses import FrozenInstanceError, field, fields, replace
+from dataclasses import FrozenInstanceError, dataclass, field, fields, replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from febkit.record import record, value_record
+from febkit.solver.record import variable_record
 
 
 @value_record
@@ -28,6 +30,27 @@ class Pair:
 @record
 class Cloud:
     X: np.ndarray
+
+
+@variable_record
+class Part:
+    kinds: ClassVar[tuple[str, ...]] = ("solid",)
+    name: str
+    size: float = 1.0
+    seen: list[str] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self.seen.append(self.name)
+
+
+@variable_record
+class Wide(Part):
+    width: float = 2.0
+
+
+@dataclass(eq=False)
+class Deep(Part):
+    depth: float = 3.0
 
 
 def test_fields_come_by_order_name_and_default() -> None:
@@ -71,3 +94,21 @@ def test_copies_and_pickles(again: object) -> None:
     p = Place("a.feb", 3, ["x"])
     q = again(p)  # type: ignore[operator]
     assert q == p and q is not p
+
+
+@pytest.mark.parametrize("kind", [Part, Wide, Deep])
+def test_a_record_that_changes(kind: type[Part]) -> None:
+    p = kind("a", 3.0)
+    assert (p.name, p.size, p.seen) == ("a", 3.0, ["a"]) and p != kind("a", 3.0) and Part.kinds == ("solid",)
+    p.size = 4.0
+    q = replace(p, name="b")
+    assert (type(q), q.name, q.size, q.seen) == (kind, "b", 4.0, ["b"])
+    assert pickle.loads(pickle.dumps(p)).__dict__ == p.__dict__
+    with pytest.raises(TypeError, match="seen"):
+        kind("a", seen=[])  # type: ignore[call-arg]
+
+
+def test_fields_of_a_record_that_inherits() -> None:
+    w = Wide("a", width=5.0)
+    assert repr(w) == "Wide(name='a', size=1.0, seen=['a'], width=5.0)"
+    assert (w.size, Deep("a", depth=4.0).depth, Wide("a", 2.0, 3.0).width) == (1.0, 4.0, 3.0)
