@@ -6,7 +6,7 @@ they are no unknowns, and the tangent does not know them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .loads.base import Patch, scalar
 from .problem import Prescribed
+from .record import variable_record
 from .values import as_value
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(eq=False)
+@variable_record
 class Following(Prescribed):
     """``surface``: facets, each patch with the block and element (f, 2) behind its facets.
 
@@ -63,7 +64,7 @@ def _means(value: Any, state: State, patch: Patch, rows: Ints) -> Floats:
     return np.asarray(v.reshape(len(patch.conn), -1)[rows].mean(axis=1)[:, None])
 
 
-@dataclass(eq=False)
+@variable_record
 class ActualPressure(Following):
     """Effective pressure p~ = p - R T Phi sum_i kappa_i c_i for an actual pressure p.
 
@@ -80,7 +81,7 @@ class ActualPressure(Following):
         return np.asarray(p - RTphi[:, None] * np.einsum("fnm,fm->fn", c, kappa))
 
 
-@dataclass(eq=False)
+@variable_record
 class ElementPressure(Following):
     """As :class:`ActualPressure`, all that is osmotic being a mean over the element. FEBio's load "fluid pressure".
 
@@ -94,7 +95,7 @@ class ElementPressure(Following):
         return p if osmotic is None else np.asarray(p - self.share * osmotic[:, None])
 
 
-@dataclass(eq=False)
+@variable_record
 class MatchingOsmotic(Following):
     """Effective pressure p~ = p - R T Phi o of a bath of pressure p and osmolarity o, Phi that of the tissue.
 

@@ -39,7 +39,7 @@ def _made(cls: type[T], slots: bool, methods: tuple[Callable[..., Any], ...]) ->
     made: Any = dataclass(init=False, repr=False, eq=False, slots=slots)(cls)
     for method in methods:
         setattr(made, method.__name__, method)
-    made.__post_init__ = getattr(made, "__post_init__", __post_init__)
+    made._slotted = slots
     made._fields = {f.name: f for f in fields(made)}
     return made  # type: ignore[no-any-return]
 
@@ -47,7 +47,7 @@ def _made(cls: type[T], slots: bool, methods: tuple[Callable[..., Any], ...]) ->
 def __init__(self: Any, *args: Any, **given: Any) -> None:
     listed = self._fields
     if args:
-        names = [n for n, f in listed.items() if f.init]
+        names = [n for n, f in listed.items() if f.init and not f.kw_only]
         if len(args) > len(names):
             raise TypeError(f"{type(self).__name__} has {len(names)} fields, not {len(args)}")
         first = dict(zip(names, args))
@@ -58,18 +58,17 @@ def __init__(self: Any, *args: Any, **given: Any) -> None:
         if name in given and f.init:
             _put(self, name, given.pop(name))
         elif f.default is not MISSING:
-            _put(self, name, f.default)
+            if f.init or self._slotted:  # else it is the class's, or what a later one has in its place
+                _put(self, name, f.default)
         elif f.default_factory is not MISSING:
             _put(self, name, f.default_factory())
         elif f.init:
             raise TypeError(f"{type(self).__name__} lacks {name}")
     if given:
         raise TypeError(f"{type(self).__name__} has no {', '.join(given)}")
-    self.__post_init__()
-
-
-def __post_init__(self: Any) -> None:
-    """What a record does once its fields are there, as those of dataclasses."""
+    more = getattr(self, "__post_init__", None)  # as dataclasses have it
+    if more is not None:
+        more()
 
 
 def __setattr__(self: Any, name: str, value: Any) -> None:

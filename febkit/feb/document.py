@@ -10,11 +10,12 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 from xml.parsers import expat
 
 from febkit.model import InputError, Where
+from febkit.record import variable_record
 
 from . import table
 
@@ -78,7 +79,7 @@ class Tag:
         return [c for c in self.children if c.name == name]
 
 
-@dataclass(slots=True, eq=False)
+@variable_record
 class Document:
     """A file's bytes and its tree."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import radians
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from febkit.model import Component, InputError, values
 from febkit.model import Step as ModelStep
 from febkit.model.sets import node_indices
+from febkit.record import variable_record
 from febkit.solver import elements, loads
 from febkit.solver.problem import Attached, Block, Fixed, Initial, Prescribed, Step
 from febkit.solver.values import Constant, Value
@@ -34,7 +35,7 @@ FIXED = frozenset({"rb", *(f"{r}_dof" for r in DOFS)})
 GIVEN = frozenset({"rb", "dof", "value", "relative"})
 
 
-@dataclass(eq=False)
+@variable_record
 class Body:
     """A body to be: its first material, whose centre counts, and its index."""
 
@@ -168,7 +169,7 @@ def _given(table: dict[str, int]) -> Callable[[Context, Step, Component], None]:
     return read
 
 
-@dataclass(eq=False)
+@variable_record
 class Euler:
     """A component of the rotation vector of Euler angles in degrees, about x, then y, then z."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..action import Action
 from ..fields import PRESSURE
+from ..record import variable_record
 from ..values import as_value
 from . import register
 from .base import Floats, Ints, Number, Vector, as_vector, vector
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from ..state import State
 
 
-@dataclass(eq=False)
+@variable_record
 class NodalLoad(Action):
     """A load at nodes; ``X`` (n, 3) their reference positions. A value's map has one number per node.
 
@@ -76,7 +77,7 @@ class NodalLoad(Action):
         return vector(v, t, self.X, np.arange(len(self.nodes)))
 
 
-@dataclass(eq=False)
+@variable_record
 class NodalForce(NodalLoad):
     """A force vector. FEBio User Manual, "Nodal Force"."""
 
@@ -89,7 +90,7 @@ class NodalForce(NodalLoad):
         return self._vector(self.value, state.time)
 
 
-@dataclass(eq=False)
+@variable_record
 class NodalDofLoad(NodalLoad):
     """A load ``scale`` on one degree of freedom by FEBio's name: x, y, z, p (a volume of fluid) or c1 (moles).
 
@@ -110,7 +111,7 @@ class NodalDofLoad(NodalLoad):
         return self._scalar(self.scale, state.time) * (state.dt if self.rate else 1.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class NodalFluidFlux(NodalLoad):
     """A volume rate of fluid: dt * value. FEBio User Manual, "Nodal Fluid Flux"."""
 
@@ -126,7 +127,7 @@ class NodalFluidFlux(NodalLoad):
         return state.dt * self._scalar(self.value, state.time)
 
 
-@dataclass(eq=False)
+@variable_record
 class NodalTargetForce(NodalLoad):
     """From the force when the load began to ``force``: (1 - scale) start + scale force."""
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..action import Action
+from ..record import variable_record
 from ..rigid import rotation
 from ..values import as_value
 from . import register
@@ -23,7 +24,7 @@ def _numbers(v: Vector, t: float) -> Floats:
     return vector(as_vector(v), t, ORIGIN, np.zeros(1, int))[0]
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidLoad(Action):
     """``body``: index; ``row``: its first row. The force is row 0's, the moment row 1's."""
 
@@ -39,7 +40,7 @@ class RigidLoad(Action):
         return Q if alpha == 1.0 else alpha * Q + (1 - alpha) * rotation.matrix(state.extra["q_old"][self.body])
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidForce(RigidLoad):
     """A force along an axis, which turns with the body where ``follow``."""
 
@@ -56,7 +57,7 @@ class RigidForce(RigidLoad):
         state.layout.u(R)[self.row] += self._force(state)
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidMoment(RigidLoad):
     """A moment about an axis."""
 
@@ -67,7 +68,7 @@ class RigidMoment(RigidLoad):
         state.layout.u(R)[self.row + 1, self.axis] += float(as_value(self.value)(state.time, ORIGIN)[0])
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidFollowerForce(RigidLoad):
     """A force at a point Z from the centre, both turning with the body: f = Q f0, m = Q Z x f."""
 
@@ -98,7 +99,7 @@ class RigidFollowerForce(RigidLoad):
         return [(K, np.array([[self.row] * 3 + [self.row + 1] * 3]), np.tile(state.layout.displacement, 2))]
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidFollowerMoment(RigidLoad):
     """A moment that turns with the body."""
 
@@ -116,7 +117,7 @@ class RigidFollowerMoment(RigidLoad):
         return [(K, np.array([[self.row + 1] * 3]), state.layout.displacement)]
 
 
-@dataclass(eq=False)
+@variable_record
 class CableEnd(RigidLoad):
     """The force at the end of a cable, of fixed direction, with the moment it has in the reference (as in FEBio)."""
 

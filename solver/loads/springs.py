@@ -7,12 +7,13 @@ A spring pulls its first node by F along the line to the second. FEBio user manu
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..action import Action
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Ints, Matrices, Number
 
@@ -31,7 +32,7 @@ def slope(f: Curve, x: Floats) -> Floats:
     return np.asarray((f(x + h) - f(x - h)) / (2.0 * h))
 
 
-@dataclass(eq=False)
+@variable_record
 class Springs(Action):
     """Springs ``nodes`` (m, 2) of one law; ``rest`` (m,) their lengths in the reference."""
 
@@ -92,7 +93,7 @@ class Springs(Action):
         return [(K, np.repeat(self.nodes, 3, axis=1), np.tile(state.layout.displacement, 2))]
 
 
-@dataclass(eq=False)
+@variable_record
 class LinearSprings(Springs):
     """F = E (L - L0), in tension alone where ``tension_only``."""
 
@@ -108,7 +109,7 @@ class LinearSprings(Springs):
         return np.asarray(0.5 * self.law(L, rate, state.time)[0] * (L - self.rest))
 
 
-@dataclass(eq=False)
+@variable_record
 class ExperimentalSprings(Springs):
     """F = s (1 - exp(-E d / s)), d = L - L0, s = sM; in compression odd with s = sm."""
 
@@ -132,7 +133,7 @@ class ExperimentalSprings(Springs):
         return np.asarray(s * (np.abs(L - self.rest) - s / E * (1.0 - e)))
 
 
-@dataclass(eq=False)
+@variable_record
 class TorsionSprings(Springs):
     """Springs that resist turning away from their line e0 of the reference: energy r (1 - w^2) / 2, w = e0 . e.
 
@@ -165,7 +166,7 @@ class TorsionSprings(Springs):
         return np.asarray(0.5 * as_value(self.r)(state.time, ORIGIN) * (1.0 - self._turned(state)[3] ** 2))
 
 
-@dataclass(eq=False)
+@variable_record
 class CompositeSprings(Springs):
     """Several laws between the same nodes."""
 
@@ -185,7 +186,7 @@ class CompositeSprings(Springs):
         return np.asarray(sum(p.energies(state) for p in self.parts))
 
 
-@dataclass(eq=False)
+@variable_record
 class NonlinearSprings(Springs):
     """F = scale f(s), s the elongation L - L0, the strain (L - L0) / L0 or the stretch L / L0."""
 
@@ -200,7 +201,7 @@ class NonlinearSprings(Springs):
         return k * self.force(s), k * slope(self.force, s) * per, np.zeros_like(L)
 
 
-@dataclass(eq=False)
+@variable_record
 class HillMuscles(Springs):
     """F = Fmax (passive(l) + ac Ftl(l) Fvl(V)), l = L / L0, V = rate / (Vmax Sv(ac)).
 
@@ -238,7 +239,7 @@ class HillMuscles(Springs):
         return passive + ac * most * tl * vl, (stiff + ac * most * dtl * vl) / rest, ac * most * tl * dvl / fastest
 
 
-@dataclass(eq=False)
+@variable_record
 class ConstraintSet(Action):
     """Sums of coefficients x unknowns that must vanish, by penalty: f_i = -(lambda + eps c) a_i.
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..kernels.permeability import isotropic
 from ..law import Floats, Number
 from ..points import Points
+from ..record import variable_record
 from . import register
 from .base import Permeability, wanted
 
 
-@dataclass(eq=False)
+@variable_record
 class ConstIso(Permeability):
     """K = perm I in space, whatever the strain. FEBio User Manual, "Constant Isotropic Permeability"."""
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..kernels.permeability import isotropic
 from ..law import Floats, Number
 from ..points import Points
+from ..record import variable_record
 from . import register
 from .base import Permeability, open_pores, wanted
 
 
-@dataclass(eq=False)
+@variable_record
 class HolmesMow(Permeability):
     """K = perm ((J - phi_r) / (1 - phi_r))^alpha exp(M (J^2 - 1) / 2) I.
 

@@ -9,13 +9,13 @@ Vu-Quoc and Tan, Comput Methods Appl Mech Engrg 192 (2003) 975; Betsch and Stein
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ..group import NegativeJacobian
 from ..points import VOIGT, Points
+from ..record import variable_record
 from . import register
 from .base import Floats, Work
 from .standard import Standard, StandardWork
@@ -174,7 +174,7 @@ class AssumedWork(StandardWork):
             target.add(g, lo, hi, np.ascontiguousarray(K))
 
 
-@dataclass(eq=False)
+@variable_record
 class AssumedStrain(Standard):
     """``enhanced``: by seven parameters an element."""
 

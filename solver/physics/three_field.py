@@ -6,13 +6,13 @@ Simo, Taylor and Pister, Comput Methods Appl Mech Engrg 51 (1985); augmented as 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ..kernels import three_field
 from ..points import Points
+from ..record import variable_record
 from . import register
 from .base import Floats, Work
 from .standard import Standard, StandardWork
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 PRESSURE = 1.0 - 2.0 * np.eye(3)  # 1 x 1 - 2 I among normal components: the tangent of a pressure, per pressure
 
 
-@dataclass(eq=False)
+@variable_record
 class Augment:
     """Augmented Lagrangian of the element pressures: relative tolerance, least and most augmentations."""
 
@@ -110,7 +110,7 @@ class ThreeFieldWork(StandardWork):
         return converged
 
 
-@dataclass(eq=False)
+@variable_record
 class ThreeField(Standard):
     """Element-mean dilatation; ``augment``: multipliers hold it at 1, where given."""
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fields import DISPLACEMENT
+from ..kernels import rigid as kernels
 from ..pattern import GIVEN
 from . import rotation
 from .body import RigidBody
@@ -46,6 +47,7 @@ class Bodies:
         self.parts = [p for b in self.bodies for p in b.parts]
         self.mass = np.array([b.mass for b in self.bodies])
         self.inertia = np.array([b.inertia for b in self.bodies])
+        self._of: Equations | None = None  # whose rotations are known
         self._own = [(i, b.nodes) for i, b in enumerate(self.bodies)]
         state.extra["q"] = np.tile(rotation.IDENTITY, (k, 1))
         # angular momentum and its rate
@@ -111,50 +113,33 @@ class Bodies:
         return own, np.full(len(own), 3), masters
 
     def weights(self, s: State, alpha: float) -> Floats:
-        i = np.arange(3)
-        z = self._arms(s, alpha)
-        return np.stack([np.ones_like(z), z[:, (i + 2) % 3], -z[:, (i + 1) % 3]], axis=2).reshape(-1)
+        out = np.empty((len(self.nodes), 3, 3))
+        kernels.weights(self.nodes, self._at, alpha, s.X, s.u, s.u_old, out)
+        return out.reshape(-1)
 
     # ---- motion -----------------------------------------------------------------------------------
     def move(self, s: State, eqs: Equations, increment: Floats, u: Floats) -> None:
         """Rotate by the increment so far and then ``u`` (equations), or as prescribed; move the nodes along."""
         q, turned = s.extra["q"], s.u
-        for i, r in enumerate(self.rows + 1):
-            given = eqs.kind[r, self.span] == GIVEN
-            if given.any():
-                turned[r] = np.where(given, turned[r], 0.0)
-                q[i] = rotation.of_vector(turned[r])
-                continue
-            a, b = self._turn(eqs, increment, r), self._turn(eqs, u, r)
-            if a is not None and b is not None:
-                turn = rotation.product(rotation.of_cayley(b), rotation.of_cayley(a))
-                q[i] = rotation.unit(rotation.product(turn, s.extra["q_old"][i]))
-                turned[r] = rotation.vector(q[i])
-        self._carry(s)
+        eq, given = self._turns(eqs)
+        kernels.move(self.rows, eq, given, increment, u, s.extra["q_old"], q, turned)
+        kernels.carry(self.nodes, self._at, self._body, self._arm, q, s.X, turned)
 
     def _equations(self, eqs: Equations, row: np.integer) -> NDArray[np.int32]:
         """Equations of a body's row (3,), -1 where it has none."""
         return eqs.eq[row, self.span]
 
-    def _turn(self, eqs: Equations, vector: Floats, row: np.integer) -> Floats | None:
-        """Entries of an equation vector at a row of rotations; None where all are held."""
-        e = self._equations(eqs, row)
-        return np.where(e >= 0, vector[e], 0.0) if (e >= 0).any() else None
-
-    def _carry(self, s: State) -> None:
-        Q = np.array([rotation.matrix(q) for q in s.extra["q"]])
-        u = s.u
-        centre = s.X[self._at] + u[self._at]
-        u[self.nodes] = centre + np.einsum("nij,nj->ni", Q[self._body], self._arm) - s.X[self.nodes]
+    def _turns(self, eqs: Equations) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+        """Equations of the bodies' rotations (body, 3), -1 where there is none, and which of these are prescribed."""
+        if self._of is not eqs:
+            r, self._of = self.rows + 1, eqs
+            self._eq = np.ascontiguousarray(eqs.eq[r][:, self.span])
+            self._given = np.ascontiguousarray(eqs.kind[r][:, self.span] == GIVEN)
+        return self._eq, self._given
 
     def compose(self, eqs: Equations, total: Floats, a: Floats, b: Floats) -> Floats:
         """``total`` = a + b with the rotations composed, b after a."""
-        for r in self.rows + 1:
-            p, q = self._turn(eqs, a, r), self._turn(eqs, b, r)
-            if p is not None and q is not None:
-                e = self._equations(eqs, r)
-                both = rotation.product(rotation.of_cayley(q), rotation.of_cayley(p))
-                total[e[e >= 0]] = rotation.cayley(both)[e >= 0]
+        kernels.compose(self._turns(eqs)[0], a, b, total)
         return total
 
     # ---- rates ------------------------------------------------------------------------------------
@@ -169,37 +154,20 @@ class Bodies:
         dt, beta, gamma = s.dt, system.beta, system.gamma
         if dt <= 0:
             return
-        t, r, a, c = self.rows, self.rows + 1, 1.0 / (beta * dt), 1.0 - 0.5 / beta
-        v, w, at, al = s.velocity_old[t], s.velocity_old[r], s.acceleration_old[t], s.acceleration_old[r]
-        s.acceleration[t] = (s.u[t] - s.u_old[t]) * (a / dt) - v * a + at * c
-        s.velocity[t] = v + dt * ((1 - gamma) * at + gamma * s.acceleration[t])
-        for i in range(len(r)):
-            turn = self._turned(s, i)
-            Q, theta = rotation.matrix(turn), rotation.cayley(turn)
-            s.velocity[r[i]] = Q @ (theta * (a * gamma) - w[i] + (w[i] + 0.5 * dt * al[i]) * (2 - gamma / beta))
-            s.acceleration[r[i]] = Q @ (theta * (a / dt) - w[i] * a + al[i] * c)
-
-    @staticmethod
-    def _turned(s: State, i: int) -> Floats:
-        """Rotation of body i since the last converged state."""
-        return rotation.unit(rotation.product(s.extra["q"][i], rotation.conjugate(s.extra["q_old"][i])))
+        old = s.velocity_old, s.acceleration_old
+        q, q_old, u, u_old = s.extra["q"], s.extra["q_old"], s.u, s.u_old
+        kernels.rates(
+            self.rows, dt, beta, gamma, q, q_old, u, u_old, s.velocity, old[0], s.acceleration, old[1]
+        )
 
     # ---- forces -----------------------------------------------------------------------------------
-    def _arms(self, s: State, alpha: float) -> Floats:
-        """x - r of carried nodes at a time between the last step (alpha 0) and the present (alpha 1)."""
-        d = s.u if alpha == 1.0 else alpha * s.u + (1 - alpha) * s.u_old
-        z: Floats = s.X[self.nodes] + d[self.nodes] - s.X[self._at] - d[self._at]
-        return z
-
     def inertia_forces(self, s: State, R: Floats, alpham: float) -> None:
         """R -= m a and the rate of angular momentum w x J w + J w'."""
-        a = alpham * s.acceleration[self.rows] + (1 - alpham) * s.acceleration_old[self.rows]
-        Ru = s.layout.u(R)
-        Ru[self.rows] -= self.mass[:, None] * a
-        J, w, al = self._spatial(s), s.velocity[self.rows + 1], s.acceleration[self.rows + 1]
-        h = s.extra["h"] = np.einsum("bij,bj->bi", J, w)
-        dh = s.extra["dh"] = np.cross(w, h) + np.einsum("bij,bj->bi", J, al)
-        Ru[self.rows + 1] -= alpham * dh + (1 - alpham) * s.extra["dh_old"]
+        e = s.extra
+        kernels.inertia(
+            self.rows, alpham, self.mass, self.inertia, e["q"], s.velocity, s.acceleration, s.acceleration_old,
+            e["dh_old"], e["h"], e["dh"], s.layout.u(R),
+        )  # fmt: skip
 
     # ---- tangent ----------------------------------------------------------------------------------
     def inertia_tangent(self, s: State, system: System) -> list[tuple[Floats, Ints, Ints]]:
@@ -208,13 +176,10 @@ class Bodies:
         a = alpham / (beta * dt * dt)
         if s.time == 0.0:  # FEBio's mass matrix for the accelerations at the start; its rotations keep their scale
             a = alpham = 1.0
-        K, J, I = np.zeros((len(self.rows), 6, 6)), self._spatial(s), np.eye(3)
-        for i, r in enumerate(self.rows + 1):
-            K[i, :3, :3] = self.mass[i] * a * I
-            theta = rotation.cayley(self._turned(s, i))
-            T = I + 0.5 * rotation.skew(theta) + 0.25 * np.outer(theta, theta)
-            w, h, dh = s.velocity[r], s.extra["h"][i], s.extra["dh"][i]
-            rate = (gamma * rotation.skew(w) + I / dt) @ J[i] - gamma * rotation.skew(h)
-            K[i, 3:, 3:] = alpham * (rate @ T / (beta * dt) - rotation.skew(dh))
+        K, e = np.empty((len(self.rows), 6, 6)), s.extra
+        kernels.inertia_tangent(
+            self.rows, dt, beta, gamma, alpham, a, self.mass, self.inertia, e["q"], e["q_old"], s.velocity, e["h"],
+            e["dh"], K,
+        )  # fmt: skip
         nodes = np.stack([self.rows] * 3 + [self.rows + 1] * 3, axis=1)
         return [(K, nodes, np.tile(self.columns, 2))]

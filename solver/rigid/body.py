@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,21 @@ from ..matrices import det
 from ..physics.base import Physics, Work
 from ..points import Points
 from ..problem import Block
+from ..record import variable_record
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+class Weight(Work):
+    """What is asked of a part's work: its mass, at each turn, and it stays."""
+
+    def mass(self) -> tuple[Floats, Floats | None]:
+        return self._mass
+
+    @cached_property
+    def _mass(self) -> tuple[Floats, Floats | None]:
+        return super().mass()
 
 
 class Part:
@@ -36,7 +49,7 @@ class Part:
             volume = np.linalg.norm(np.cross(J[..., 0], J[..., 1]), axis=-1) * (thickness @ e.N.T)
         self.wJ0 = volume * e.weights
         self.Xg = np.einsum("ga,eai->egi", self.N, x).reshape(-1, 3)
-        self.physics = Work(self, Physics())  # type: ignore[arg-type]  # whose mass alone is asked for
+        self.physics = Weight(self, Physics())  # type: ignore[arg-type]
 
     def points(self) -> Points:
         n = self.m * self.g
@@ -48,7 +61,7 @@ class Part:
         return np.asarray(self.wJ0.reshape(-1) * self.block.solid.density(self.points()))
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidBody:
     """``centre`` (3,) of mass, given or that of the parts; ``inertia`` (3, 3) about it; all of the reference.
 

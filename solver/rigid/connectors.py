@@ -5,6 +5,7 @@ FEBio user manual, "Rigid connectors"; Hou et al. and Ateshian's joints by penal
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..action import Action
+from ..record import variable_record
 from ..values import Value, as_value
 from . import jets
 from .jets import Frame, Jet
@@ -30,7 +32,7 @@ def number(v: Number, t: float) -> float:
     return float(as_value(v)(t, ORIGIN)[0])
 
 
-@dataclass(eq=False)
+@dataclass(slots=True, eq=False)
 class Memory:
     """What a connector keeps: multipliers of force and moment, and penalties that may have grown."""
 
@@ -39,7 +41,7 @@ class Memory:
     penalties: Floats
 
 
-@dataclass(eq=False)
+@variable_record
 class Connector:
     """``a``, ``b``: indices of the bodies. The point of action is ``at_a``, ``at_b`` of the reference."""
 
@@ -70,7 +72,7 @@ class Connector:
         return True
 
 
-@dataclass(eq=False)
+@variable_record
 class Between(Connector):
     """A connector between insertion points."""
 
@@ -85,7 +87,7 @@ class Between(Connector):
         return b.centre() + b.arm(self.insertion_b) - a.centre() - a.arm(self.insertion_a)
 
 
-@dataclass(eq=False)
+@variable_record
 class Spring(Between):
     """F = k (1 - L0 / L) c along the distance c; L0 = 0 stands for the distance at the start."""
 
@@ -98,7 +100,7 @@ class Spring(Between):
         return (c - jets.direction(c).times(rest)).times(number(self.k, t)), jets.zero()
 
 
-@dataclass(eq=False)
+@variable_record
 class Damper(Between):
     """F = c (v_b - v_a)."""
 
@@ -109,7 +111,7 @@ class Damper(Between):
         return v.times(number(self.c, t)), jets.zero()
 
 
-@dataclass(eq=False)
+@variable_record
 class ContractileForce(Between):
     """A force f0 along the distance."""
 
@@ -119,14 +121,14 @@ class ContractileForce(Between):
         return jets.direction(self.distance(a, b)).times(number(self.f0, t)), jets.zero()
 
 
-@dataclass(eq=False)
+@variable_record
 class AxialForce(ContractileForce):
     """FEBio's "rigid_axial_force"."""
 
     numbered = False
 
 
-@dataclass(eq=False)
+@variable_record
 class Cable(AxialForce):
     """A piece of a "rigid_cable"; the arms of its moments are those of the reference, as FEBio has them."""
 
@@ -136,7 +138,7 @@ class Cable(AxialForce):
         return F, jets.cross(jets.constant(arms[0]), F), jets.cross(jets.constant(arms[1]), F)
 
 
-@dataclass(eq=False)
+@variable_record
 class AngularDamper(Between):
     """M = c (w_b - w_a)."""
 
@@ -154,6 +156,7 @@ class Connectors(Action):
         # multipliers of force and moment; a step that fails gives them back
         state.extra["multipliers"] = np.zeros((len(records), 6))
         self.penalties = np.array([c.penalties() for c in records]).reshape(-1, 2)
+        self._at, self._known = b"", dict[int, Jet]()  # a state, and the forces found there
 
     @property
     def symmetric(self) -> bool:
@@ -166,6 +169,7 @@ class Connectors(Action):
     def take(self, active: list[Connector], system: System) -> None:
         """The connectors of one analysis step, and its system."""
         self.active, self.system = active, system
+        self._at = b""
 
     def _memory(self, c: Connector) -> Memory:
         k = self.records[id(c)]
@@ -173,13 +177,24 @@ class Connectors(Action):
         return Memory(L[:3], L[3:], self.penalties[k])
 
     def _forces(self, c: Connector) -> Jet:
-        """Forces and moments (12,) on both bodies."""
-        a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
-        F, Ma, Mb = c.wrench(a, b, self.system.state.time, self._memory(c))
-        return Jet(
-            np.concatenate([F.v, Ma.v, -F.v, -Mb.v]),  # type: ignore[list-item, operator]
-            np.concatenate([F.d, Ma.d, -F.d, -Mb.d]),
-        )
+        """Forces and moments (12,) on both bodies; residual and tangent of an iteration ask for them at one state."""
+        at = self._state()
+        if at != self._at:
+            self._at, self._known = at, {}
+        if id(c) not in self._known:
+            a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
+            F, Ma, Mb = (q.rows for q in c.wrench(a, b, self.system.state.time, self._memory(c)))
+            self._known[id(c)] = Jet(np.concatenate([F, Ma, -F, -Mb]))
+        return self._known[id(c)]
+
+    def _state(self) -> bytes:
+        """All that forces depend on."""
+        s, bodies, e = self.system.state, self.system.bodies, self.system.state.extra
+        assert bodies is not None
+        first = int(bodies.rows[0])
+        nodal = (a[first:].tobytes() for a in (s.d, s.d_old, s.velocity, s.velocity_old))
+        kept = (a.tobytes() for a in (e["q"], e["q_old"], e["multipliers"], self.penalties))
+        return b"".join([*nodal, *kept, struct.pack("dd", s.time, s.dt)])
 
     def _rows(self, c: Connector) -> NDArray[np.int64]:
         assert self.system.bodies is not None
@@ -192,7 +207,7 @@ class Connectors(Action):
     def residual(self, state: State, R: Floats) -> None:
         for c in self.active:
             rows = self._rows(c)
-            np.add.at(state.layout.u(R), rows, np.asarray(self._forces(c).v).reshape(4, 3))
+            np.add.at(state.layout.u(R), rows, self._forces(c).v.reshape(4, 3))
 
     def stiffness(self, state: State, groups: Any = None) -> list[tuple[Floats, Any, Any]]:
         if not self.active:

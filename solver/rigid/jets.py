@@ -6,13 +6,13 @@ dQ = [dphi] Q.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import atan2, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels import jets as kernels
 from . import rotation
 
 if TYPE_CHECKING:
@@ -20,63 +20,85 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 UNKNOWNS = 12
+_ONE = np.eye(3)
 
 
-@dataclass(slots=True, eq=False)
 class Jet:
-    """A scalar or vector ``v`` (...) and its derivatives ``d`` (..., 12)."""
+    """A number, vector or quaternion ``v`` (k,) and its derivatives ``d`` (k, 12): rows of ``rows`` (k, 13)."""
 
-    v: Floats | float
-    d: Floats
+    __slots__ = ("rows",)
+
+    def __init__(self, rows: Floats) -> None:
+        self.rows = rows
+
+    @classmethod
+    def of(cls, v: Floats, d: Floats) -> Jet:
+        """Of a value (k,) and its derivatives (k, 12)."""
+        return cls(np.concatenate([v[:, None], d], axis=1))
+
+    @property
+    def v(self) -> Floats:
+        return self.rows[:, 0]
+
+    @property
+    def d(self) -> Floats:
+        return self.rows[:, 1:]
 
     def __add__(self, o: Jet) -> Jet:
-        return Jet(self.v + o.v, self.d + o.d)
+        return Jet(self.rows + o.rows)
 
     def __sub__(self, o: Jet) -> Jet:
-        return Jet(self.v - o.v, self.d - o.d)
+        return Jet(self.rows - o.rows)
 
     def __neg__(self) -> Jet:
-        return Jet(-self.v, -self.d)
+        return Jet(-self.rows)
 
     def times(self, c: float) -> Jet:
         """By a number."""
-        return Jet(self.v * c, self.d * c)
+        return Jet(self.rows * c)
+
+    def more(self, c: float) -> Jet:
+        """A constant more."""
+        out = self.rows.copy()
+        out[:, 0] += c
+        return Jet(out)
 
     def scaled(self, c: Jet) -> Jet:
-        """A vector by a scalar."""
-        return Jet(self.v * c.v, self.d * c.v + np.outer(self.v, c.d))
+        """A vector by a number."""
+        out = np.empty_like(self.rows)
+        kernels.scale(self.rows, c.rows, out)
+        return Jet(out)
 
 
 def zero() -> Jet:
-    return constant(np.zeros(3))
+    return Jet(np.zeros((3, 1 + UNKNOWNS)))
 
 
 def constant(v: Floats) -> Jet:
-    return Jet(v, np.zeros((len(v), UNKNOWNS)))
+    out = np.zeros((len(v), 1 + UNKNOWNS))
+    out[:, 0] = v
+    return Jet(out)
 
 
 def cross(a: Jet, b: Jet) -> Jet:
-    A, B = rotation.skew(np.asarray(a.v)), rotation.skew(np.asarray(b.v))
-    return Jet(A @ b.v, np.asarray(A @ b.d) - B @ a.d)
+    out = np.empty_like(a.rows)
+    kernels.cross(a.rows, b.rows, out)
+    return Jet(out)
 
 
 def dot(a: Jet, b: Jet) -> Jet:
-    return Jet(float(a.v @ b.v), a.v @ b.d + b.v @ a.d)  # type: ignore[operator]
-
-
-def norm(a: Jet) -> Jet:
-    """|a|, with no derivative where it is zero."""
-    n = sqrt(float(a.v @ a.v))  # type: ignore[operator]
-    return Jet(n, (a.v @ a.d) / n if n > 0 else np.zeros(UNKNOWNS))  # type: ignore[operator]
+    out = np.empty((1, 1 + UNKNOWNS))
+    kernels.dot(a.rows, b.rows, out)
+    return Jet(out)
 
 
 def direction(a: Jet) -> Jet:
     """a / |a|; zero where a is."""
-    n = norm(a)
-    if n.v == 0.0:
-        return Jet(a.v, 0.0 * a.d)
-    u = a.v / n.v
-    return Jet(u, (a.d - np.outer(u, n.d)) / n.v)
+    n = sqrt(float(a.v @ a.v))
+    if n == 0.0:
+        return constant(a.v)
+    u = a.v / n
+    return Jet.of(u, (a.d - np.outer(u, u @ a.d)) / n)
 
 
 def along(e: Jet, a: Jet) -> Jet:
@@ -98,25 +120,24 @@ def _right(q: Floats) -> Floats:
 
 def product(p: Jet, q: Jet) -> Jet:
     """Of quaternions."""
-    L, R = _left(p.v), _right(q.v)  # type: ignore[arg-type]
-    return Jet(L @ q.v, L @ q.d + R @ p.d)
+    L, R = _left(p.v), _right(q.v)
+    return Jet.of(L @ q.v, L @ q.d + R @ p.d)
 
 
 def conjugate(q: Jet) -> Jet:
-    sign = np.array([-1.0, -1.0, -1.0, 1.0])
-    return Jet(q.v * sign, q.d * sign[:, None])
+    return Jet(q.rows * np.array([-1.0, -1.0, -1.0, 1.0])[:, None])
 
 
 def rotation_vector(q: Jet) -> Jet:
     """Of a quaternion of any length, the angle from 0 to 2 pi."""
-    v, w, dv, dw = q.v[:3], q.v[3], q.d[:3], q.d[3]  # type: ignore[index]
+    v, w, dv, dw = q.v[:3], q.v[3], q.d[:3], q.d[3]
     s = sqrt(float(v @ v))
     if s < 1e-150:
-        return Jet(2.0 * v / w, 2.0 * dv / w)
+        return Jet.of(2.0 * v / w, 2.0 * dv / w)
     n, angle = v / s, 2.0 * atan2(s, w)
     ds = n @ dv
     turn = 2.0 * (w * ds - s * dw) / (s * s + w * w)
-    return Jet(n * angle, (dv - np.outer(n, ds)) * (angle / s) + np.outer(n, turn))
+    return Jet.of(n * angle, (dv - np.outer(n, ds)) * (angle / s) + np.outer(n, turn))
 
 
 class Frame:
@@ -128,25 +149,26 @@ class Frame:
         self.s, self.system, self.slot, self.alpha = s, system, slot, system.alphaf
         self.body, self.row = bodies.bodies[body], int(bodies.rows[body])
         self.q, self.q_old = s.extra["q"][body], s.extra["q_old"][body]
-        self.Q, self.Q_old = rotation.matrix(self.q), rotation.matrix(self.q_old)
 
     def _jet(self, now: Floats, old: Floats, shift: Floats | None, turn: Floats | None) -> Jet:
-        a, k = self.alpha, self.slot
-        d = np.zeros((len(now), UNKNOWNS))
+        a, k = self.alpha, 1 + self.slot
+        out = np.zeros((len(now), 1 + UNKNOWNS))
+        out[:, 0] = now if a == 1.0 else a * now + (1 - a) * old
         if shift is not None:
-            d[:, k : k + 3] = a * shift
+            out[:, k : k + 3] = a * shift
         if turn is not None:
-            d[:, k + 3 : k + 6] = a * turn
-        return Jet(now if a == 1.0 else a * now + (1 - a) * old, d)
+            out[:, k + 3 : k + 6] = a * turn
+        return Jet(out)
 
     def centre(self) -> Jet:
         c, s = self.body.centre, self.s
-        return self._jet(c + s.u[self.row], c + s.u_old[self.row], np.eye(3), None)
+        return self._jet(c + s.u[self.row], c + s.u_old[self.row], _ONE, None)
 
     def vector(self, Z: Floats) -> Jet:
         """A vector Z of the reference, turned with the body."""
-        z = self.Q @ Z
-        return self._jet(z, self.Q_old @ Z, None, -rotation.skew(z))
+        out = np.empty((3, 1 + UNKNOWNS))
+        kernels.turned(self.q, self.q_old, Z, self.alpha, self.slot + 3, out)
+        return Jet(out)
 
     def arm(self, X: Floats) -> Jet:
         """From the centre to the body's point that was at X."""
@@ -173,7 +195,9 @@ class Frame:
     def velocity(self, X: Floats) -> Jet:
         """Velocity of the body's point that was at X."""
         s, r, Z = self.s, self.row, X - self.body.centre
-        z, z_old, w, w_old = self.Q @ Z, self.Q_old @ Z, s.velocity[r + 1], s.velocity_old[r + 1]
+        z, z_old = (rotation.matrix(q) @ Z for q in (self.q, self.q_old))
+        w, w_old = s.velocity[r + 1], s.velocity_old[r + 1]
         shift, turn = self._rates()
-        now, old = s.velocity[r] + np.cross(w, z), s.velocity_old[r] + np.cross(w_old, z_old)
-        return self._jet(now, old, shift, -rotation.skew(z) @ turn - rotation.skew(w) @ rotation.skew(z))
+        W, arm = rotation.skew(w), rotation.skew(z)
+        now, old = s.velocity[r] + W @ z, s.velocity_old[r] + rotation.skew(w_old) @ z_old
+        return self._jet(now, old, shift, -arm @ turn - W @ arm)

@@ -6,12 +6,13 @@ L and U take these values until gap and angle are within tolerance. FEBio user m
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..record import variable_record
 from . import jets, rotation
 from .connectors import Connector, Floats, Memory, Number, number
 from .jets import Frame, Jet
@@ -34,7 +35,7 @@ def _change(old: Floats, new: Floats) -> float:
     return abs((n1 - n0) / n1) if n1 > 1e-10 else 0.0
 
 
-@dataclass(eq=False)
+@variable_record
 class RigidJoint(Connector):
     """A ball joint: FEBio's "rigid joint", whose multipliers end by their change alone."""
 
@@ -60,14 +61,14 @@ class RigidJoint(Connector):
             return True
         a, b = Frame(system, self.a, 0), Frame(system, self.b, 6)
         a.alpha = b.alpha = 1.0
-        new = m.force + m.penalties[0] * np.asarray(self._gap(a, b).v)
+        new = m.force + m.penalties[0] * self._gap(a, b).v
         if _change(m.force, new) < self.tolerance:
             return True
         m.force[:] = new
         return False
 
 
-@dataclass(eq=False)
+@variable_record
 class GenericJoint(Connector):
     """Up to six conditions: v . g + d_i = 0 of the gap g = a - b along a's axes v, and va . vb = cos(pi/2 + d_i).
 
@@ -98,7 +99,7 @@ class GenericJoint(Connector):
             v, w = a.vector(one[i if i < 3 else (i + 1) % 3]), g if i < 3 else b.vector(one[(i + 2) % 3])
             rest = number(d, t) if i < 3 else -cos(0.5 * pi + number(d, t))
             c = jets.dot(v, w)
-            out.append((i, v, w, Jet(c.v + rest, c.d)))
+            out.append((i, v, w, c.more(rest)))
         return g, out
 
     def wrench(self, a: Frame, b: Frame, t: float, m: Memory) -> tuple[Jet, Jet, Jet]:
@@ -106,7 +107,7 @@ class GenericJoint(Connector):
         g, conditions = self._conditions(a, b, t)
         multipliers = np.append(m.force, m.moment)
         for i, v, w, c in conditions:
-            L = Jet(multipliers[i] + m.penalties[0] * c.v, m.penalties[0] * c.d)
+            L = c.times(m.penalties[0]).more(multipliers[i])
             if i < 3:
                 f = -v.scaled(L)
                 F, Ma = F + f, Ma + jets.cross(a.arm(self.joint) - g, f)
@@ -124,14 +125,14 @@ class GenericJoint(Connector):
         a, b = Frame(system, self.a, 0), Frame(system, self.b, 6)
         for i, _, _, c in self._conditions(a, b, system.state.time)[1]:
             own, k = (m.force, i) if i < 3 else (m.moment, i - 3)
-            new = own[k] + m.penalties[0] * float(c.v)
+            new = own[k] + m.penalties[0] * float(c.v[0])
             if self.tolerance and abs(abs(new) - abs(own[k])) > self.tolerance * abs(new):
                 settled = False
             own[k] = new
         return settled
 
 
-@dataclass(eq=False)
+@variable_record
 class Joint(Connector):
     """The common part. ``axes`` (3, 3) rows of the reference; tolerances of 0 are not tested."""
 
@@ -193,10 +194,8 @@ class Joint(Connector):
     def _turned(self, a: Frame, b: Frame, angle: float) -> Jet:
         """From b's rotation relative to a to that by ``angle`` about the first axis."""
         n = jets.direction(a.vector(self.axes[0]))
-        target = Jet(
-            np.append(sin(0.5 * angle) * np.asarray(n.v), cos(0.5 * angle)),
-            np.vstack([sin(0.5 * angle) * n.d, np.zeros(jets.UNKNOWNS)]),
-        )
+        target = Jet(np.vstack([sin(0.5 * angle) * n.rows, np.zeros(1 + jets.UNKNOWNS)]))
+        target.rows[3, 0] = cos(0.5 * angle)
         return jets.rotation_vector(jets.product(target, jets.product(a.turn(), jets.conjugate(b.turn()))))
 
     # ---- at work ----------------------------------------------------------------------------------
@@ -217,8 +216,8 @@ class Joint(Connector):
         if self.laugon == 0:
             return True
         a, b, t = Frame(system, self.a, 0), Frame(system, self.b, 6), system.state.time
-        c = np.asarray(self.gap(a, self._distance(a, b), t).v)
-        xi = np.asarray(self.misalignment(a, b, t).v)
+        c = self.gap(a, self._distance(a, b), t).v
+        xi = self.misalignment(a, b, t).v
         force, moment = m.force + m.penalties[0] * c, m.moment + m.penalties[1] * xi
         gap, angle = float(np.linalg.norm(c)), self._angle(xi)
         change = max(_change(m.force, force), _change(m.moment, moment))
@@ -234,7 +233,7 @@ class Joint(Connector):
         return good
 
 
-@dataclass(eq=False)
+@variable_record
 class Revolute(Joint):
     """Turns about the first axis: freely, under a moment, or as prescribed."""
 
@@ -255,7 +254,7 @@ class Revolute(Joint):
         return w if self.prescribed_rotation else w - jets.along(a.vector(self.axes[0]), w)
 
 
-@dataclass(eq=False)
+@variable_record
 class Prismatic(Joint):
     """Slides along the first axis: freely, under a force, or as prescribed."""
 
@@ -280,7 +279,7 @@ class Prismatic(Joint):
         return v if self.prescribed_translation else v - jets.along(a.vector(self.axes[0]), v)
 
 
-@dataclass(eq=False)
+@variable_record
 class Cylindrical(Prismatic):
     """Slides along and turns about the first axis."""
 
@@ -293,7 +292,7 @@ class Cylindrical(Prismatic):
     moment = Revolute.moment  # type: ignore[assignment]
 
 
-@dataclass(eq=False)
+@variable_record
 class Planar(Joint):
     """Slides in the plane normal to the first axis, and turns about it."""
 
@@ -323,7 +322,7 @@ class Planar(Joint):
         return d
 
 
-@dataclass(eq=False)
+@variable_record
 class Lock(Joint):
     """No relative motion."""
 
@@ -333,7 +332,7 @@ class Lock(Joint):
         return self._crossed(a, b, (0, 1, 2))
 
 
-@dataclass(eq=False)
+@variable_record
 class Spherical(Joint):
     """Turns freely, under a moment, or by a prescribed rotation vector."""
 

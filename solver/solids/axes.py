@@ -7,12 +7,11 @@ differ in what they return.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..points import Points
+from ..record import record
 from ..values import as_value
 from .base import Floats, Number
 
@@ -48,7 +47,7 @@ def turn(v: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
     return np.where(still, v, v + half * t + np.cross(q, t))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FixedAxes:
     """Axes (1, 3, 3) or (n_elements, 3, 3), one for each element of the block."""
 
@@ -82,7 +81,7 @@ def local_axes(X: Floats, nodes: tuple[int, int, int] = (0, 0, 0)) -> FixedAxes:
     return FixedAxes(frame(a, d))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SphericalAxes:
     """``mat_axis type="spherical"``: ``vector`` turned with the radius from ``center``."""
 
@@ -109,7 +108,7 @@ def _around(v: Floats, b: Floats) -> Floats:
     return frame(v, d)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class CylindricalAxes:
     """``mat_axis type="cylindrical"``: ``vector`` turned with the radius from the ``axis`` through ``center``."""
 
@@ -122,7 +121,7 @@ class CylindricalAxes:
         return _around(turn(unit(self.vector), _X, b), b)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PolarAxes:
     """``mat_axis type="polar"``: ``vector1`` at ``radius1`` to ``vector2`` at ``radius2``, turned with the radius."""
 
@@ -152,7 +151,7 @@ class PolarAxes:
         return _around(turn(v1 + q0 * t + np.cross(q, t), _X, b), b)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class AngleAxes:
     """``mat_axis type="angles"``: spherical angles in degrees of the first axis, ``phi`` from z."""
 
@@ -168,7 +167,7 @@ class AngleAxes:
         return np.stack((a, b, np.stack((-ct * cp, -st * cp, sp), axis=-1)), axis=-1)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FixedVector:
     """One direction (1, 3), or one for each element of the block (n_elements, 3)."""
 
@@ -189,7 +188,7 @@ def local_vector(X: Floats, nodes: tuple[int, int] = (0, 0)) -> FixedVector:
     return FixedVector(unit(X[:, n2 - 1] - X[:, n1 - 1]))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SphericalVector:
     """``fiber type="spherical"``: ``vector`` turned with the radius from ``center``."""
 
@@ -200,7 +199,7 @@ class SphericalVector:
         return turn(unit(self.vector), _X, unit(pts.X - np.asarray(self.center)))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class CylindricalVector:
     """``fiber type="cylindrical"``: ``vector`` turned with the radius from the ``axis`` through ``center``."""
 
@@ -213,7 +212,7 @@ class CylindricalVector:
         return turn(unit(self.vector), turn(_X, _Z, unit(self.axis)), b)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class AngleVector:
     """``fiber type="angles"``: spherical angles in degrees, ``phi`` from z."""
 
@@ -224,7 +223,7 @@ class AngleVector:
         return AngleAxes(self.theta, self.phi)(pts)[..., 0]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class MathVector:
     """``fiber type="math"``: three values, one a component."""
 

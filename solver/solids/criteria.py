@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from ..kernels.return_map import mises
 from ..matrices import det, eigh, eigvalsh
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Property, Solid
 from .registry import register
@@ -37,7 +37,7 @@ def _dyad(v: Floats) -> Floats:
     return v[:, :, None] * v[:, None, :]
 
 
-@dataclass(eq=False)
+@variable_record
 class Criterion:
     """``of(base, pts)`` (n,); ``gradient(base, pts)`` d/d sigma (n, 3, 3) where it is a yield criterion."""
 
@@ -55,7 +55,7 @@ class Criterion:
         return as_value(getattr(self, name))(pts.t, pts.X, pts.e)
 
 
-@dataclass(eq=False)
+@variable_record
 class SimoEnergy(Criterion):
     """(2 W)^1/2."""
 
@@ -63,7 +63,7 @@ class SimoEnergy(Criterion):
         return np.sqrt(2.0 * np.maximum(base.energy(pts), 0.0))
 
 
-@dataclass(eq=False)
+@variable_record
 class StrainEnergy(Criterion):
     """W."""
 
@@ -71,7 +71,7 @@ class StrainEnergy(Criterion):
         return base.energy(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class SpecificStrainEnergy(Criterion):
     """W / density."""
 
@@ -79,7 +79,7 @@ class SpecificStrainEnergy(Criterion):
         return base.energy(pts) / base.density(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class VonMises(Criterion):
     """(3/2 dev sigma : dev sigma)^1/2."""
 
@@ -99,7 +99,7 @@ class VonMises(Criterion):
         return measure
 
 
-@dataclass(eq=False)
+@variable_record
 class Drucker(Criterion):
     """(J2^3 - c J3^2)^1/6."""
 
@@ -120,7 +120,7 @@ class Drucker(Criterion):
         return (0.5 * J2**2 * d - c / 3.0 * J3 * cofactor) / tau**5
 
 
-@dataclass(eq=False)
+@variable_record
 class MaxShear(Criterion):
     """(s3 - s1)/2."""
 
@@ -139,7 +139,7 @@ class MaxShear(Criterion):
         return np.where(mid[:, None, None], top, flat)
 
 
-@dataclass(eq=False)
+@variable_record
 class MaxNormalStress(Criterion):
     """The largest principal stress."""
 
@@ -155,7 +155,7 @@ class MaxNormalStress(Criterion):
         return np.where(mid[:, None, None], N2, pair)
 
 
-@dataclass(eq=False)
+@variable_record
 class MaxNormalStrain(Criterion):
     """The largest principal Green-Lagrange strain."""
 
@@ -163,7 +163,7 @@ class MaxNormalStrain(Criterion):
         return np.asarray(eigvalsh(strain(pts.F))[:, 2], dtype=float)
 
 
-@dataclass(eq=False)
+@variable_record
 class OctahedralShearStrain(Criterion):
     """(2/3 dev E : dev E)^1/2."""
 
@@ -171,7 +171,7 @@ class OctahedralShearStrain(Criterion):
         return np.sqrt(2.0 / 3.0 * (deviator(strain(pts.F)) ** 2).sum((1, 2)))
 
 
-@dataclass(eq=False)
+@variable_record
 class OctahedralNaturalStrain(Criterion):
     """(2/3 dev h : dev h)^1/2, h = ln V."""
 
@@ -180,7 +180,7 @@ class OctahedralNaturalStrain(Criterion):
         return np.sqrt(2.0 / 3.0 * (deviator(h) ** 2).sum((1, 2)))
 
 
-@dataclass(eq=False)
+@variable_record
 class DruckerPrager(Criterion):
     """von Mises stress - b tr(sigma)/3."""
 
@@ -197,7 +197,7 @@ class DruckerPrager(Criterion):
         return 1.5 / _mises(s)[:, None, None] * deviator(s) - b / (3.0 * np.sqrt(3.0)) * _EYE
 
 
-@dataclass(eq=False)
+@variable_record
 class DeshpandeFleck(Criterion):
     """((se^2 + 9 beta^2 sm^2)/(1 + beta^2))^1/2, se the von Mises stress and sm the mean stress."""
 

@@ -5,12 +5,13 @@ Balzani, Brinkhues & Holzapfel, Comput. Methods Appl. Mech. Eng. 213-216 (2012) 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..special import expi
 from .base import Floats, Number, unwritten
 from .fiber import directions
@@ -24,7 +25,7 @@ _BEGUN, _LAST, _START, _B0, _B = range(5)
 WRITTEN = ("", "D1", "Ds", "D2", "D3", "P", "Psi0", "beta", "gamma", "D2beta")
 
 
-@dataclass(eq=False)
+@variable_record
 class DamagedFiber(FourthInvariant):
     """W = m(P), P = <(1 - D) psi - psi_rest>, D = D1 + D2 from time t0 on.
 
@@ -140,7 +141,7 @@ class DamagedFiber(FourthInvariant):
         return 0.0 if D is None else D
 
 
-@dataclass(eq=False)
+@variable_record
 class DamagedFiberPower(DamagedFiber):
     """m = a1 P^a2, psi = kappa I1 + (1 - 3 kappa / 2) (I1 I4 - I5), psi_rest = 2."""
 
@@ -161,7 +162,7 @@ class DamagedFiberPower(DamagedFiber):
         return a1 * P**a2, a1 * a2 * P ** (a2 - 1), np.where(P > 0, a1 * a2 * (a2 - 1) * some ** (a2 - 2), 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class DamagedFiberExponential(DamagedFiber):
     """m = k1 / (2 k2) (exp[k2 P^2] - 1), psi = kappa I1 + (1 - 3 kappa) I4, psi_rest = 1."""
 
@@ -181,7 +182,7 @@ class DamagedFiberExponential(DamagedFiber):
         return (e - k1) / (2.0 * k2), P * e, e * (1.0 + 2.0 * k2 * P * P)
 
 
-@dataclass(eq=False)
+@variable_record
 class DamagedFiberExpLinear(DamagedFiber):
     """(P + 1) m' = c3 (exp[c4 P] - 1) up to P = lambda - 1, then c5 (P + 1) + c6; psi is the stretch, 1 at rest."""
 

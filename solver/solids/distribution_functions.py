@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..special import erfc, gamma, gammainc
 from ..values import as_value
 from .base import Floats, Number, Property
 from .registry import register
 
 
-@dataclass(eq=False)
+@variable_record
 class DistributionFunction:
     """``cdf(pts, X)`` of X (n,) or (n, m); ``damage`` is Dmax times it."""
 
@@ -38,7 +39,7 @@ class DistributionFunction:
         return self.p("Dmax", pts, X) * self.cdf(pts, X)
 
 
-@dataclass(eq=False)
+@variable_record
 class Simo(DistributionFunction):
     """(1 - b)(1 - a (1 - exp(-X/a)) / X): Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153."""
 
@@ -61,7 +62,7 @@ class Simo(DistributionFunction):
         return np.where((X < 0) | (a == 0), 0.0, np.where(X > 1e-12, far, near))
 
 
-@dataclass(eq=False)
+@variable_record
 class LogNormal(DistributionFunction):
     """erfc(-ln(X/mu) / (sigma sqrt 2)) / 2."""
 
@@ -81,7 +82,7 @@ class LogNormal(DistributionFunction):
         return np.where(X > 1e-12, g, 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Weibull(DistributionFunction):
     """1 - exp(-((X - ploc)/mu)^alpha)."""
 
@@ -101,7 +102,7 @@ class Weibull(DistributionFunction):
         return np.where((x > 0) & (alpha >= 1), g, 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Step(DistributionFunction):
     """0 up to mu, 1 beyond."""
 
@@ -115,7 +116,7 @@ class Step(DistributionFunction):
         return np.where(self.p("mu", pts, X) == X, 1.0, 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Quintic(DistributionFunction):
     """x^3 (10 - 15 x + 6 x^2), x = (X - mumin)/(mumax - mumin) between 0 and 1."""
 
@@ -136,7 +137,7 @@ class Quintic(DistributionFunction):
         return 30 * (x * (x - 1)) ** 2
 
 
-@dataclass(eq=False)
+@variable_record
 class Gamma(DistributionFunction):
     """Regularised lower incomplete gamma function P(alpha, X/mu)."""
 
@@ -153,7 +154,7 @@ class Gamma(DistributionFunction):
         return np.where(X > 0, x ** (a - 1) * np.exp(-x) / mu / gamma(a), 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class User(DistributionFunction):
     """A curve."""
 

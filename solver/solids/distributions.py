@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Property
 from .registry import register
 from .voigt import matrix
 
 
-@dataclass(eq=False)
+@variable_record
 class Distribution:
     """Density R(N) of unit vectors ``N`` (1|n, m, 3) in local axes, as (1|n, m)."""
 
@@ -31,7 +31,7 @@ class Distribution:
         raise NotImplementedError
 
 
-@dataclass(eq=False)
+@variable_record
 class Spherical(Distribution):
     """R = 1: all directions alike."""
 
@@ -39,12 +39,12 @@ class Spherical(Distribution):
         return np.ones(N.shape[:2])
 
 
-@dataclass(eq=False)
+@variable_record
 class Circular(Spherical):
     """R = 1 in the plane."""
 
 
-@dataclass(eq=False)
+@variable_record
 class Ellipsoidal(Distribution):
     """R = (sum N_i^2 / spa_i^2)^-1/2."""
 
@@ -57,7 +57,7 @@ class Ellipsoidal(Distribution):
         return sum((N[..., k] / a[k]) ** 2 for k in range(3)) ** -0.5  # type: ignore[operator, return-value]
 
 
-@dataclass(eq=False)
+@variable_record
 class Elliptical(Distribution):
     """R = (N_1^2 / spa1^2 + N_2^2 / spa2^2)^-1/2."""
 
@@ -70,7 +70,7 @@ class Elliptical(Distribution):
         return ((N[..., 0] / a) ** 2 + (N[..., 1] / b) ** 2) ** -0.5
 
 
-@dataclass(eq=False)
+@variable_record
 class VonMises(Distribution):
     """R = exp[b (2 N_1^2 - 1)]: gathered about the first axis."""
 
@@ -81,12 +81,12 @@ class VonMises(Distribution):
         return np.exp(self.value("b", pts) * (2.0 * N[..., 0] ** 2 - 1.0))
 
 
-@dataclass(eq=False)
+@variable_record
 class VonMisesPlane(VonMises):
     """The density of :class:`VonMises` in the plane."""
 
 
-@dataclass(eq=False)
+@variable_record
 class TwoVonMises(Distribution):
     """Two cones at angles +-gamma from the first axis."""
 
@@ -101,7 +101,7 @@ class TwoVonMises(Distribution):
         return np.exp(b * (2 * (x * c - sines) ** 2 - 1)) + np.exp(b * (2 * (x * c + sines) ** 2 - 1))
 
 
-@dataclass(eq=False)
+@variable_record
 class StructureTensor(Distribution):
     """R = N . spd N, spd symmetric in Voigt order."""
 

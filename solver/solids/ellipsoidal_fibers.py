@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..kernels.fibers import add_power_fibers, squared_stretch
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Solid, wanted
 from .mooney_rivlin import MooneyRivlin
 from .neo_hookean import NeoHookean
@@ -33,7 +34,7 @@ def _dome() -> tuple[Floats, Floats]:
     return N[0], w[0]
 
 
-@dataclass(eq=False)
+@variable_record
 class _Ellipsoidal(Solid):
     """W = sum_j w_j ksi(N_j) (In_j - 1)^beta(N_j) over directions in tension, 1/ksi^2 = sum N_i^2 / ksi_i^2.
 
@@ -80,7 +81,7 @@ class _Ellipsoidal(Solid):
         return (w * ksi * np.maximum(In - 1.0, 0.0) ** beta).sum(1)
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalFibers(_Ellipsoidal):
     """Fibers alone."""
 
@@ -91,14 +92,14 @@ class EllipsoidalFibers(_Ellipsoidal):
         return self.fibers_energy(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalFibersOld(EllipsoidalFibers):
     """Fibers alone, summed over a geodesic dome."""
 
     dome = True
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalNeoHookean(_Ellipsoidal):
     """Fibers in a neo-Hookean matrix."""
 
@@ -118,14 +119,14 @@ class EllipsoidalNeoHookean(_Ellipsoidal):
         return self._matrix.energy(pts) + self.fibers_energy(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalNeoHookeanOld(EllipsoidalNeoHookean):
     """Fibers over a geodesic dome in a neo-Hookean matrix."""
 
     dome = True
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalFibersUncoupled(_Ellipsoidal, Uncoupled):
     """Fibers of a nearly incompressible solid."""
 
@@ -141,7 +142,7 @@ class EllipsoidalFibersUncoupled(_Ellipsoidal, Uncoupled):
     energy = Uncoupled.energy
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalMooneyRivlin(EllipsoidalFibersUncoupled):
     """Fibers in a Mooney-Rivlin matrix."""
 
@@ -162,7 +163,7 @@ class EllipsoidalMooneyRivlin(EllipsoidalFibersUncoupled):
         return self._matrix.dev_energy(pts) + self.fibers_energy(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalVerondaWestmann(EllipsoidalMooneyRivlin):
     """Fibers in a Veronda-Westmann matrix."""
 

@@ -6,13 +6,14 @@ continuous distribution hands it many.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Property, Solid, unwritten, wanted
 from .uncoupled import Uncoupled
 
@@ -61,7 +62,7 @@ def part(pts: Points, at: slice) -> Points:
     )
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberLaw:
     """The part coupled and uncoupled fibers share. Subclasses give the tension of a fiber."""
 
@@ -112,7 +113,7 @@ class FiberLaw:
 _ONE = np.ones((1, 1))
 
 
-@dataclass(eq=False)
+@variable_record
 class Fiber(FiberLaw, Solid):
     """A family of fibers along ``fiber``."""
 
@@ -127,7 +128,7 @@ class Fiber(FiberLaw, Solid):
         return self.sum_energy(unwritten(pts), directions(self.fiber, self.inner(pts))[:, None], _ONE)
 
 
-@dataclass(eq=False)
+@variable_record
 class UncoupledFiber(FiberLaw, Uncoupled):
     """A family of fibers along ``fiber`` in a nearly incompressible solid."""
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..jit import kernel
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
+from ..record import variable_record
 from ..special import expi
 from .base import Floats, Number, wanted
 from .fiber import Fiber, FiberLaw, UncoupledFiber
@@ -66,7 +66,7 @@ def family_energy(pts: Points, a0: Floats, par: Floats) -> Floats:
     return fiber_energy(In, par)[:, 0]
 
 
-@dataclass(eq=False)
+@variable_record
 class _ExpLinear(FiberLaw):
     def tension(self, pts: Points, In: Floats, sn: Floats, cn: Floats) -> Floats:
         tension(In, self.par(pts), sn, cn)  # type: ignore[attr-defined]
@@ -76,7 +76,7 @@ class _ExpLinear(FiberLaw):
         return fiber_energy(In, self.par(pts))  # type: ignore[attr-defined]
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExpLinear(_ExpLinear, Fiber):
     """l dW/dl = c3 (exp[c4 (l - 1)] - 1) for 1 <= l < lambda, c5 l + c6 beyond.
 
@@ -91,7 +91,7 @@ class FiberExpLinear(_ExpLinear, Fiber):
     parameters = ("c3", "c4", "c5", "lambda_")
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExpLinearUncoupled(_ExpLinear, UncoupledFiber):
     """The law of :class:`FiberExpLinear` in the distortional stretch."""
 

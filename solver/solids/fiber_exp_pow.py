@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..jit import kernel
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number
 from .fiber import Fiber, FiberLaw, UncoupledFiber
 from .registry import register
@@ -35,7 +35,7 @@ def _tension(In, par, eps, sn, cn, g):
                     g[i, j] = par[m, 3]
 
 
-@dataclass(eq=False)
+@variable_record
 class _ExpPow(FiberLaw):
     _eps = -1e-15
 
@@ -66,7 +66,7 @@ class _ExpPow(FiberLaw):
         return self.par(pts)  # type: ignore[attr-defined, no-any-return]
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExpPow(_ExpPow, Fiber):
     """W = ksi (exp[alpha (In - lam0^2)^beta] - 1) / (alpha beta) in tension, In = a0 . C a0.
 
@@ -81,12 +81,12 @@ class FiberExpPow(_ExpPow, Fiber):
     parameters = ("alpha", "beta", "ksi", "mu", "lam0")
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExponentialPower(FiberExpPow):
     """The same law under its older name."""
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExpPowUncoupled(_ExpPow, UncoupledFiber):
     """The law of :class:`FiberExpPow` in the distortional stretch, lam0 = 1."""
 
@@ -102,7 +102,7 @@ class FiberExpPowUncoupled(_ExpPow, UncoupledFiber):
         return np.column_stack((par, np.ones(len(par))))
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExponentialPowerUncoupled(FiberExpPowUncoupled):
     """The same law under its older name."""
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number
 from .fiber import Fiber, FiberLaw, UncoupledFiber
 from .registry import register
@@ -15,7 +14,7 @@ from .registry import register
 _NONE = np.empty((0, 0))
 
 
-@dataclass(eq=False)
+@variable_record
 class _Law(FiberLaw):
     """Subclasses give W(In), dW/dIn and d2W/dIn2, arrays (n, m), and where the fiber bears load."""
 
@@ -38,7 +37,7 @@ class _Law(FiberLaw):
         return self.par(pts).T[:, :, None]  # type: ignore[attr-defined, no-any-return]
 
 
-@dataclass(eq=False)
+@variable_record
 class _NeoHookean(_Law):
     def law(self, pts: Points, In: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         (mu,) = self.columns(pts)
@@ -46,7 +45,7 @@ class _NeoHookean(_Law):
         return x > 0, 0.25 * mu * x * x, 0.5 * mu * x, 0.5 * mu + 0.0 * x
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberNeoHookean(_NeoHookean, Fiber):
     """W = mu (In - 1)^2 / 4."""
 
@@ -54,7 +53,7 @@ class FiberNeoHookean(_NeoHookean, Fiber):
     parameters = ("mu",)
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberNeoHookeanUncoupled(_NeoHookean, UncoupledFiber):
     """W~ = mu (In~ - 1)^2 / 4."""
 
@@ -62,7 +61,7 @@ class FiberNeoHookeanUncoupled(_NeoHookean, UncoupledFiber):
     parameters = ("mu",)
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberPower(_Law, Fiber):
     """W = ksi (In - 1)^beta."""
 
@@ -79,7 +78,7 @@ class FiberPower(_Law, Fiber):
         return on, ksi * x**beta, ksi * beta * x ** (beta - 1), ksi * beta * (beta - 1) * x ** (beta - 2)
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberExpPowLinear(_Law, Fiber):
     """W = ksi (exp[alpha (In - 1)^beta] - 1) / (alpha beta) up to In = lam0^2, then linear with modulus E.
 
@@ -111,7 +110,7 @@ class FiberExpPowLinear(_Law, Fiber):
         return In >= 1.0, W, W1, W2
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberNaturalNeoHookean(_Law, Fiber):
     """W = ksi ln(l/lam0)^2 / 2 for l > lam0."""
 
@@ -125,7 +124,7 @@ class FiberNaturalNeoHookean(_Law, Fiber):
         return x > np.finfo(float).eps, 0.5 * ksi * x**2, 0.5 * ksi * x / In, ksi * (0.25 - 0.5 * x) / In**2
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberKiousisUncoupled(_Law, UncoupledFiber):
     """W~ = d1 (In~ - d2)^n / n for In~ > d2. Kiousis et al., J. Biomech. Eng. 131 (2009) 121002."""
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..jit import kernel
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number
 from .fiber import Fiber, FiberLaw, UncoupledFiber
 from .registry import register
@@ -34,7 +34,7 @@ def _tension(In, par, tension_only, sn, cn):
                     cn[i, j] = E * math.sqrt(x)
 
 
-@dataclass(eq=False)
+@variable_record
 class _PowLinear(FiberLaw):
     tension_only = 1
 
@@ -57,7 +57,7 @@ class _PowLinear(FiberLaw):
         return toe + b * (y - I0) - E * (np.sqrt(y) - lam0)
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberPowLinear(_PowLinear, Fiber):
     """W = ksi (In - 1)^beta / beta up to In = lam0^2, then b (In - I0) - E (sqrt In - lam0) + const.
 
@@ -73,7 +73,7 @@ class FiberPowLinear(_PowLinear, Fiber):
     options = ("tension_only",)
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberPowLinearUncoupled(_PowLinear, UncoupledFiber):
     """The law of :class:`FiberPowLinear` in the distortional stretch."""
 

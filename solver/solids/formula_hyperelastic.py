@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Property, Solid
 from .fiber import directions
 from .fourth_invariant import FourthInvariant, UncoupledFourthInvariant, invariants
@@ -58,7 +59,7 @@ def _places(pts: Points) -> dict[str, Floats]:
     return {"X": pts.X[:, 0], "Y": pts.X[:, 1], "Z": pts.X[:, 2]}
 
 
-@dataclass(eq=False)
+@variable_record
 class FormulaHyperelastic(Hyperelastic):
     """W(I1, I2, J, X, Y, Z)."""
 
@@ -74,7 +75,7 @@ class FormulaHyperelastic(Hyperelastic):
         return self.W({"I1": I1, "I2": I2, "J": J, **_places(pts)})  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class FormulaHyperelasticUncoupled(UncoupledHyperelastic):
     """W~(I1~, I2~, X, Y, Z)."""
 
@@ -89,7 +90,7 @@ class FormulaHyperelasticUncoupled(UncoupledHyperelastic):
         return self.W({"I1": I1, "I2": I2, **_places(pts)})  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class _FormulaTransIso(Solid):
     """The fiber is a direction in global axes, as in FEBio."""
 
@@ -117,7 +118,7 @@ class _FormulaTransIso(Solid):
         return np.broadcast_to(W, (pts.n,))
 
 
-@dataclass(eq=False)
+@variable_record
 class FormulaTransIso(_FormulaTransIso, FourthInvariant):
     """W(I1, I2, I4, I5, J)."""
 
@@ -128,7 +129,7 @@ class FormulaTransIso(_FormulaTransIso, FourthInvariant):
         return self._value(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class FormulaTransIsoUncoupled(_FormulaTransIso, UncoupledFourthInvariant):
     """W~(I1~, I2~, I4~, I5~)."""
 

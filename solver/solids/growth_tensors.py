@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..matrices import det
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Property
 from .fiber import directions
 from .registry import register
 
 
-@dataclass(eq=False)
+@variable_record
 class Growth:
     """``tensor(pts)`` (1|n, 3, 3) and ``density(pts)`` (1|n,), the mass added per mass."""
 
@@ -40,7 +41,7 @@ class Growth:
         return det(self.tensor(pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class VolumeGrowth(Growth):
     """Fg = multiplier I."""
 
@@ -52,7 +53,7 @@ class VolumeGrowth(Growth):
         return g, np.ones_like(g)
 
 
-@dataclass(eq=False)
+@variable_record
 class AreaGrowth(Growth):
     """iso = multiplier^1/2, ani = 2 - iso: growth across the fiber."""
 
@@ -64,7 +65,7 @@ class AreaGrowth(Growth):
         return g, 2.0 - g
 
 
-@dataclass(eq=False)
+@variable_record
 class FiberGrowth(Growth):
     """iso = 1, ani = multiplier."""
 
@@ -76,7 +77,7 @@ class FiberGrowth(Growth):
         return np.ones_like(g), g
 
 
-@dataclass(eq=False)
+@variable_record
 class GeneralGrowth(Growth):
     """iso and ani given."""
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from ..kernels.wall import wall
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Solid, wanted
 from .registry import register
 from .uncoupled import Uncoupled, add_volumetric
 
 
-@dataclass(eq=False)
+@variable_record
 class _Wall(Solid):
     c: Number = 0.0
     k1: Number = 0.0
@@ -50,7 +51,7 @@ class _Wall(Solid):
         return W
 
 
-@dataclass(eq=False)
+@variable_record
 class HolzapfelGasserOgden(_Wall, Uncoupled):
     """W~ = c (I1~ - 3)/2 + k1/(2 k2) sum_a (exp[k2 E_a^2] - 1), E_a = kappa (I1~ - 3) + (1 - 3 kappa)(I4a~ - 1).
 
@@ -70,7 +71,7 @@ class HolzapfelGasserOgden(_Wall, Uncoupled):
     energy = Uncoupled.energy
 
 
-@dataclass(eq=False)
+@variable_record
 class HolzapfelUnconstrained(_Wall):
     """W = c (I1 - 3 - 2 ln J)/2 + k (J^2 - 1 - 2 ln J)/4 and the fibers of the wall in the whole stretch."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ..jit import kernel
 from ..kernels.tensors import add_identity, left_cauchy_green
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Solid, wanted
 from .lame import lame, shear_and_first
 from .registry import register
@@ -38,7 +38,7 @@ def strain_energy(pts: Points, lam: Floats, mu: Floats) -> Floats:
     return np.asarray(0.5 * mu * ((pts.F**2).sum((1, 2)) - 3.0 - 2.0 * lnJ) + 0.5 * lam * lnJ**2)
 
 
-@dataclass(eq=False)
+@variable_record
 class NeoHookean(Solid):
     """W = mu (I1 - 3 - 2 ln J) / 2 + lambda (ln J)^2 / 2, mu and lambda from E and v.
 
@@ -56,7 +56,7 @@ class NeoHookean(Solid):
         return strain_energy(pts, *shear_and_first(self.par(pts)))
 
 
-@dataclass(eq=False)
+@variable_record
 class NeoHookeanAD(NeoHookean):
     """The same law, which FEBio differentiates automatically."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +10,7 @@ from ..jit import kernel
 from ..kernels.tensors import add_identity
 from ..matrices import inv
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Solid, wanted
 from .registry import register
 from .uncoupled import Uncoupled
@@ -23,7 +23,7 @@ def _add_isotropic(k1, k4, c):
         add_identity(c, i, k1[i], k4[i])
 
 
-@dataclass(eq=False)
+@variable_record
 class _Viscous:
     """sigma = (kappa - 2 mu / 3) tr D I + 2 mu D, D = sym[(F - F_old) F^-1] / dt. History: F."""
 
@@ -66,7 +66,7 @@ class _Viscous:
         return np.zeros(pts.n)
 
 
-@dataclass(eq=False)
+@variable_record
 class NewtonianViscous(_Viscous, Solid):
     """sigma = (kappa - 2 mu / 3) tr D I + 2 mu D."""
 
@@ -76,7 +76,7 @@ class NewtonianViscous(_Viscous, Solid):
             self._tangent(pts, wanted(c), 1.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class NewtonianViscousUncoupled(_Viscous, Uncoupled):
     """sigma = 2/J dev[(kappa - 2 mu / 3) tr D I + 2 mu D], with FEBio's factor 2/J."""
 
@@ -94,7 +94,7 @@ class NewtonianViscousUncoupled(_Viscous, Uncoupled):
     energy = Uncoupled.energy
 
 
-@dataclass(eq=False)
+@variable_record
 class CarreauYasuda(_Viscous, Solid):
     """sigma = 2 mu D, mu = mui + (mu0 - mui) (1 + (lambda g)^a)^((n - 1)/a), g = (2 D : D)^1/2."""
 

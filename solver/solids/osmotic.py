@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Solid, wanted
 from .ellipsoidal_fibers import EllipsoidalFibers
@@ -14,7 +15,7 @@ from .registry import register
 from .uncoupled import add_volumetric
 
 
-@dataclass(eq=False)
+@variable_record
 class _Osmotic(Solid):
     """sigma = -p(J) I; R and T are the file's gas constant and absolute temperature."""
 
@@ -32,7 +33,7 @@ class _Osmotic(Solid):
         add_volumetric(pts.J, -RT * p, -RT * dp, s, wanted(c))
 
 
-@dataclass(eq=False)
+@variable_record
 class PerfectOsmometer(_Osmotic):
     """p = R T (iosm phiw0 / (J - 1 + phiw0) - bosm)."""
 
@@ -47,7 +48,7 @@ class PerfectOsmometer(_Osmotic):
         return iosm * phi / d - bosm, -iosm * phi / d**2
 
 
-@dataclass(eq=False)
+@variable_record
 class CellGrowth(_Osmotic):
     """p = R T (cr / (J - phir) - ce). Ateshian et al., J. Biomech. Eng. 131 (2009) 101001."""
 
@@ -62,7 +63,7 @@ class CellGrowth(_Osmotic):
         return cr / d - ce, -cr / d**2
 
 
-@dataclass(eq=False)
+@variable_record
 class Donnan(_Osmotic):
     """p = R T Phi ((cF^2 + bosm^2)^1/2 - bosm), cF = phiw0 cF0 / (J - 1 + phiw0).
 
@@ -87,7 +88,7 @@ class Donnan(_Osmotic):
         return Phi * (root - bosm), -Phi * cF**2 / (d * np.where(root == 0, 1.0, root))
 
 
-@dataclass(eq=False)
+@variable_record
 class VirialExpansion(Solid):
     """sigma = -(c1 c + c2 c^2 + c3 c^3) I, c = phiw0 cr / (J - 1 + phiw0)."""
 
@@ -106,7 +107,7 @@ class VirialExpansion(Solid):
         add_volumetric(pts.J, -(c1 + c2 * x + c3 * x * x) * x, slope, s, wanted(c))
 
 
-@dataclass(eq=False)
+@variable_record
 class EllipsoidalDonnan(EllipsoidalFibers):
     """A charged matrix with ellipsoidally distributed fibers, summed over a geodesic dome as FEBio does here."""
 

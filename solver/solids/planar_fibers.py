@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 
 from ..kernels.fibers import add_fibers, squared_stretch
 from ..points import Points
+from ..record import variable_record
 from . import mooney_rivlin, veronda_westmann
 from .axes import turn
 from .base import Floats, Number, Property, Solid, wanted
@@ -37,7 +38,7 @@ def _shares(solid: Solid, pts: Points) -> Floats:
     return np.ascontiguousarray(w / w.sum(1, keepdims=True))
 
 
-@dataclass(eq=False)
+@variable_record
 class _Planar(Uncoupled):
     c1: Number = 0.0
     c2: Number = 0.0
@@ -83,7 +84,7 @@ class _Planar(Uncoupled):
         return self.matrix_energy(pts) + (w * fiber_energy(In, self.par(pts)[:, 2:6])).sum(1)
 
 
-@dataclass(eq=False)
+@variable_record
 class PlanarFibers(_Planar):
     """Twelve directions in the plane across ``fiber``, with an elliptic density of axes ``w``."""
 
@@ -104,7 +105,7 @@ class PlanarFibers(_Planar):
         return self.par(pts)[:, 6, None] * _ellipse(self, "a", pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class PlanarFibersVerondaWestmann(_Planar):
     """Twelve directions in the plane of the second and third material axis, in a Veronda-Westmann matrix."""
 
@@ -126,7 +127,7 @@ class PlanarFibersVerondaWestmann(_Planar):
         return c1 * np.expm1(c2 * (I1 - 3.0)) - 0.5 * c1 * c2 * (I2 - 3.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class VonMisesFibers(_Planar):
     """A von Mises density about the angle ``tp`` in the plane of the first two local axes, ``gipt`` Gauss points.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ..jit import kernel
 from ..kernels.tensors import dyad_of, left_cauchy_green
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Property, Solid
 from .fiber import directions
 from .registry import register
@@ -32,7 +33,7 @@ def _run(F, J, a0, T0, along, around, s):
             s[i, p] += T0[m] / J[i] * (along * N[p] + around * b[p])
 
 
-@dataclass(eq=False)
+@variable_record
 class _Contraction:
     """S = T0 M with M constant in the reference: the tangent is zero."""
 
@@ -53,7 +54,7 @@ class _Contraction:
         return 0.5 * self.par(pts)[:, 0] * E  # type: ignore[attr-defined, no-any-return]
 
 
-@dataclass(eq=False)
+@variable_record
 class Uniaxial(_Contraction, Solid):
     """sigma = T0 n dyad n / J, n = F e1."""
 
@@ -64,21 +65,21 @@ class Uniaxial(_Contraction, Solid):
         return self._work(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class TransIso(Uniaxial):
     """sigma = T0 (b - n dyad n) / J."""
 
     along, around = -1.0, 1.0
 
 
-@dataclass(eq=False)
+@variable_record
 class Isotropic(Uniaxial):
     """sigma = T0 b / J."""
 
     along, around = 0.0, 1.0
 
 
-@dataclass(eq=False)
+@variable_record
 class AlongFiber(Uniaxial):
     """sigma = T0 n dyad n / J along a fiber direction."""
 
@@ -86,7 +87,7 @@ class AlongFiber(Uniaxial):
     properties = {"fiber": Property("direction", default="vector")}
 
 
-@dataclass(eq=False)
+@variable_record
 class UniaxialUncoupled(_Contraction, Uncoupled):
     """:class:`Uniaxial` as the distortional part; not made deviatoric, as in FEBio."""
 
@@ -97,21 +98,21 @@ class UniaxialUncoupled(_Contraction, Uncoupled):
         return self._work(pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class TransIsoUncoupled(UniaxialUncoupled):
     """:class:`TransIso` as the distortional part."""
 
     along, around = -1.0, 1.0
 
 
-@dataclass(eq=False)
+@variable_record
 class IsotropicUncoupled(UniaxialUncoupled):
     """:class:`Isotropic` as the distortional part."""
 
     along, around = 0.0, 1.0
 
 
-@dataclass(eq=False)
+@variable_record
 class AlongFiberUncoupled(UniaxialUncoupled):
     """:class:`AlongFiber` as the distortional part."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..matrices import det
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Property, Solid, deformed
 from .fiber import directions
@@ -16,7 +17,7 @@ from .registry import register
 from .uncoupled import Uncoupled, distortional, distortional_energy
 
 
-@dataclass(eq=False)
+@variable_record
 class _Prestrained:
     """F0 = Fc F_given; the correction Fc is a history where :meth:`correctable` says so, else the identity."""
 
@@ -69,7 +70,7 @@ class _Prestrained:
         return rho if F0 is None else rho / det(F0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Prestrained(_Prestrained, Solid):
     """sigma = sigma_0(F F0). Maas et al., J. Mech. Behav. Biomed. Mater. 61 (2016) 499."""
 
@@ -80,7 +81,7 @@ class Prestrained(_Prestrained, Solid):
         return self.elastic.energy(self._state(pts))  # type: ignore[union-attr]
 
 
-@dataclass(eq=False)
+@variable_record
 class PrestrainedUncoupled(_Prestrained, Uncoupled):
     """The distortional stress of F F0; the volumetric part sees F."""
 
@@ -91,7 +92,7 @@ class PrestrainedUncoupled(_Prestrained, Uncoupled):
         return distortional_energy(self.elastic, self._state(pts))  # type: ignore[arg-type]
 
 
-@dataclass(eq=False)
+@variable_record
 class PrestrainGradient:
     """F0(t) = (1 - ramp) I + ramp F0; ``F0`` is nine values by rows, or a function of points giving (1|n, 3, 3)."""
 
@@ -115,7 +116,7 @@ class PrestrainGradient:
         return (1.0 - ramp) * np.eye(3) + ramp * F0
 
 
-@dataclass(eq=False)
+@variable_record
 class InSituStretch:
     """F0 = l n dyad n + (I - n dyad n) l^-1/2 along the fiber n of the elastic solid (no l^-1/2 if not isochoric)."""
 

@@ -6,19 +6,19 @@ A record is called with points and the measure X (n,) of the strain that trigger
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Property
 from .distribution_functions import DistributionFunction, Gamma, LogNormal, Quintic, Weibull
 from .registry import register
 
 
-@dataclass(eq=False)
+@variable_record
 class Recruitment:
     """r(X); none of these recruits without strain, X = 0."""
 
@@ -34,7 +34,7 @@ class Recruitment:
         raise NotImplementedError
 
 
-@dataclass(eq=False)
+@variable_record
 class Power(Recruitment):
     """mu0 + mu1 (X/scale)^alpha."""
 
@@ -49,7 +49,7 @@ class Power(Recruitment):
         return np.where(X > 0, self.p("mu0", pts) + self.p("mu1", pts) * x ** self.p("alpha", pts), 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Exponential(Recruitment):
     """mu0 exp(mu1 (X/scale)^alpha)."""
 
@@ -64,7 +64,7 @@ class Exponential(Recruitment):
         return np.where(X > 0, self.p("mu0", pts) * np.exp(self.p("mu1", pts) * x ** self.p("alpha", pts)), 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Polynomial(Recruitment):
     """mu0 + mu1 X + mu2 X^2."""
 
@@ -78,7 +78,7 @@ class Polynomial(Recruitment):
         return np.where(X > 0, mu0 + mu1 * X + mu2 * X * X, 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class User(Recruitment):
     """A curve."""
 
@@ -89,7 +89,7 @@ class User(Recruitment):
         return np.asarray(self.function(X))  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class _Distributed(DistributionFunction):
     """1 + max times the cumulative distribution."""
 
@@ -99,14 +99,14 @@ class _Distributed(DistributionFunction):
         return 1.0 + self.p("max", pts, X) * self.cdf(pts, X)
 
 
-@dataclass(eq=False)
+@variable_record
 class DistributedLogNormal(_Distributed, LogNormal):
     """1 + max erfc(-ln(X/mu) / (sigma sqrt 2)) / 2."""
 
     parameters = ("mu", "sigma", "max")
 
 
-@dataclass(eq=False)
+@variable_record
 class DistributedWeibull(_Distributed, Weibull):
     """1 + max (1 - exp(-((X - ploc)/mu)^alpha)), 0 up to ploc."""
 
@@ -116,14 +116,14 @@ class DistributedWeibull(_Distributed, Weibull):
         return np.where(self.p("ploc", pts, X) < X, super().__call__(pts, X), 0.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class DistributedQuintic(_Distributed, Quintic):
     """1 + max x^3 (10 - 15 x + 6 x^2), x = (X - mumin)/(mumax - mumin) between 0 and 1."""
 
     parameters = ("mumin", "mumax", "max")
 
 
-@dataclass(eq=False)
+@variable_record
 class DistributedGamma(_Distributed, Gamma):
     """1 + max P(alpha, X/mu), the regularised lower incomplete gamma function."""
 

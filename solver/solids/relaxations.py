@@ -7,12 +7,12 @@ magnitude of the rate of deformation (n, 1). Ateshian, J. Biomech. 48 (2015) 941
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from ..special import expi, gamma, gammaincc
 from ..values import as_value
 from .base import Floats, Number, Property
@@ -21,7 +21,7 @@ from .registry import register
 Curve = Callable[[Floats], Floats]
 
 
-@dataclass(eq=False)
+@variable_record
 class Relaxation:
     """g(t)."""
 
@@ -38,7 +38,7 @@ class Relaxation:
         raise NotImplementedError
 
 
-@dataclass(eq=False)
+@variable_record
 class Exponential(Relaxation):
     """exp(-t/tau)."""
 
@@ -49,7 +49,7 @@ class Exponential(Relaxation):
         return np.exp(-t / self.p("tau", pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class ExponentialDistortion(Relaxation):
     """exp(-t/tau), tau = tau0 + tau1 K2^alpha."""
 
@@ -62,7 +62,7 @@ class ExponentialDistortion(Relaxation):
         return np.exp(-t / (self.p("tau0", pts) + self.p("tau1", pts) * K2 ** self.p("alpha", pts)))
 
 
-@dataclass(eq=False)
+@variable_record
 class ExponentialUser(Relaxation):
     """exp(-t/tau(K2))."""
 
@@ -73,7 +73,7 @@ class ExponentialUser(Relaxation):
         return np.exp(-t / self.tau(K2))  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class Fung(Relaxation):
     """Continuous box spectrum between tau1 and tau2 (Fung, Biomechanics, section 7.6).
 
@@ -94,7 +94,7 @@ class Fung(Relaxation):
         return np.where(t > 0, np.maximum(g / (b - a), 0.0), 1.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Park(Relaxation):
     """1 / (1 + (t/tau)^beta)."""
 
@@ -106,7 +106,7 @@ class Park(Relaxation):
         return 1.0 / (1.0 + (t / self.p("tau", pts)) ** self.p("beta", pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class _Distortion(Relaxation):
     tau0: Number = 0.0
     tau1: Number = 0.0
@@ -121,7 +121,7 @@ class _Distortion(Relaxation):
         return tau, self.p("beta0", pts) + self.p("beta1", pts) * k
 
 
-@dataclass(eq=False)
+@variable_record
 class ParkDistortion(_Distortion):
     """:class:`Park` with tau0 + tau1 K2^alpha and beta0 + beta1 K2^alpha."""
 
@@ -130,7 +130,7 @@ class ParkDistortion(_Distortion):
         return 1.0 / (1.0 + (t / tau) ** beta)
 
 
-@dataclass(eq=False)
+@variable_record
 class ParkUser(Relaxation):
     """:class:`Park` with curves tau(K2), beta(K2)."""
 
@@ -142,7 +142,7 @@ class ParkUser(Relaxation):
         return 1.0 / (1.0 + (t / self.tau(K2)) ** self.beta(K2))  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class Power(Relaxation):
     """(1 + t/tau)^-beta."""
 
@@ -154,7 +154,7 @@ class Power(Relaxation):
         return (1.0 + t / self.p("tau", pts)) ** -self.p("beta", pts)
 
 
-@dataclass(eq=False)
+@variable_record
 class PowerDistortion(_Distortion):
     """:class:`Power` with tau0 + tau1 K2^alpha and beta0 + beta1 K2^alpha."""
 
@@ -163,7 +163,7 @@ class PowerDistortion(_Distortion):
         return (1.0 + t / tau) ** -beta
 
 
-@dataclass(eq=False)
+@variable_record
 class PowerUser(Relaxation):
     """:class:`Power` with curves tau(K2), beta(K2)."""
 
@@ -175,7 +175,7 @@ class PowerUser(Relaxation):
         return (1.0 + t / self.tau(K2)) ** -self.beta(K2)  # type: ignore[misc]
 
 
-@dataclass(eq=False)
+@variable_record
 class Carreau(Relaxation):
     """exp(-t/tau), tau = tau0 (1 + (lambda gamma')^2)^((n-1)/2), gamma' = 2^1/2 |D|."""
 
@@ -191,7 +191,7 @@ class Carreau(Relaxation):
         return np.exp(-t / tau)
 
 
-@dataclass(eq=False)
+@variable_record
 class Prony(Relaxation):
     """sum g_i exp(-t/t_i) / sum g_i."""
 
@@ -225,7 +225,7 @@ def malkin(t: Floats, tau1: Floats, tau2: Floats, beta: Floats) -> Floats:
     return np.where(t > 0, g, 1.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class Malkin(Relaxation):
     """:func:`malkin`."""
 
@@ -238,7 +238,7 @@ class Malkin(Relaxation):
         return malkin(t, self.p("tau1", pts), self.p("tau2", pts), self.p("beta", pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class MalkinDistortion(Relaxation):
     """:func:`malkin` with tau_i = t_i c0 + t_i c1 exp(-K2 / t_i s0)."""
 
@@ -259,7 +259,7 @@ class MalkinDistortion(Relaxation):
         return malkin(t, tau[0], tau[1], self.p("beta", pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class MalkinUser(Relaxation):
     """:func:`malkin` with curves tau1(K2), tau2(K2), beta(K2)."""
 
@@ -280,7 +280,7 @@ def exponential_spectrum(t: Floats, tau: Floats) -> Floats:
     return np.where(t > 0, x * k1(x), 1.0)
 
 
-@dataclass(eq=False)
+@variable_record
 class ExponentialSpectrum(Relaxation):
     """:func:`exponential_spectrum`."""
 
@@ -291,7 +291,7 @@ class ExponentialSpectrum(Relaxation):
         return exponential_spectrum(t, self.p("tau", pts))
 
 
-@dataclass(eq=False)
+@variable_record
 class ExponentialSpectrumUser(Relaxation):
     """:func:`exponential_spectrum` with a curve tau(K2)."""
 

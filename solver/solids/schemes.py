@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
@@ -12,6 +11,7 @@ import numpy as np
 from ..kernels.directions import span
 from ..kernels.ordered_spectra import ordered_spectra
 from ..matrices import eigh
+from ..record import variable_record
 from .base import Floats, Property
 from .registry import register
 
@@ -34,7 +34,7 @@ def _of_angles(rule: Floats) -> tuple[Floats, Floats]:
     return np.ascontiguousarray(N[None]), np.ascontiguousarray(w[None])
 
 
-@dataclass(eq=False)
+@variable_record
 class Scheme:
     """``whole()`` gives directions (1, m, 3) and weights (1, m) over all of the sphere or circle; ``taut(C)`` those
     that FEBio sums for right Cauchy-Green tensors ``C`` (n, 3, 3), (1|n, m, 3) and (1|n, m)."""
@@ -50,7 +50,7 @@ class Scheme:
         return self.whole()
 
 
-@dataclass(eq=False)
+@variable_record
 class Triangles(Scheme):
     """Areas and centres of a triangulation of the sphere."""
 
@@ -62,7 +62,7 @@ class Triangles(Scheme):
         return _of_angles(_stored(f"triangles_{n if n > 21 else _SIZES[n]}"))
 
 
-@dataclass(eq=False)
+@variable_record
 class Geodesic(Scheme):
     """A geodesic dome of 320 (resolution 0) or 1280 (1) triangles."""
 
@@ -73,7 +73,7 @@ class Geodesic(Scheme):
         return _of_angles(_stored("geodesic_high" if self.resolution else "geodesic_low"))
 
 
-@dataclass(eq=False)
+@variable_record
 class Trapezoidal(Scheme):
     """``nth`` equal steps over half the circle in the plane of the first two axes."""
 
@@ -86,7 +86,7 @@ class Trapezoidal(Scheme):
         return N[None], np.full((1, len(t)), 2.0 * np.pi / len(t))
 
 
-@dataclass(eq=False)
+@variable_record
 class _Taut(Scheme):
     """Trapezoidal in theta and a one-dimensional rule in cos(phi), only over the directions in tension.
 
@@ -140,7 +140,7 @@ class _Taut(Scheme):
         return self._span(V, lo, hi)
 
 
-@dataclass(eq=False)
+@variable_record
 class Gauss(_Taut):
     """Gauss-Legendre in cos(phi)."""
 
@@ -155,7 +155,7 @@ class Gauss(_Taut):
         return np.polynomial.legendre.leggauss(int(self.nph))
 
 
-@dataclass(eq=False)
+@variable_record
 class Kronrod(_Taut):
     """Gauss-Kronrod-Trefethen rule in cos(phi): ``nph`` of 7, 11, 15, 19, 23 or 27.
 

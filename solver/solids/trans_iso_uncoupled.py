@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Property
 from .fiber import directions
 from .fiber_exp_linear import add_family, family_energy
@@ -17,7 +18,7 @@ from .uncoupled import Uncoupled
 from .veronda_westmann import VerondaWestmann
 
 
-@dataclass(eq=False)
+@variable_record
 class _WithFibers(Uncoupled):
     """Adds F(l~) of :mod:`.fiber_exp_linear` to the solid that comes next among the bases, of c1 and c2.
 
@@ -51,17 +52,17 @@ class _WithFibers(Uncoupled):
         return super().dev_energy(pts) + family_energy(pts, a0, self.par(pts)[:, 2:])
 
 
-@dataclass(eq=False)
+@variable_record
 class TransIsoMooneyRivlin(_WithFibers, MooneyRivlin):
     """W~ = c1 (I1~ - 3) + c2 (I2~ - 3) + F(l~)."""
 
 
-@dataclass(eq=False)
+@variable_record
 class TransIsoVerondaWestmann(_WithFibers, VerondaWestmann):
     """W~ = c1 (exp[c2 (I1~ - 3)] - 1) - c1 c2 (I2~ - 3) / 2 + F(l~)."""
 
 
-@dataclass(eq=False)
+@variable_record
 class TransIsoMooneyRivlinEstrada(TransIsoMooneyRivlin):
     """The same, whose muscle may also shorten by a force-velocity relation."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ..jit import kernel
 from ..kernels.tensors import add_identity
 from ..points import Points
+from ..record import variable_record
 from ..values import as_value
 from .base import Floats, Number, Solid, wanted
 
@@ -45,7 +46,7 @@ def add_volumetric(J, p, pJ, s, c):
             add_identity(c, i, p[i] + J[i] * pJ[i], -2.0 * p[i])
 
 
-@dataclass(eq=False)
+@variable_record
 class Uncoupled(Solid):
     """sigma = dev part(F~) + U'(J) I. Subclasses give ``dev(pts, s, c)`` and ``dev_energy(pts)``."""
 

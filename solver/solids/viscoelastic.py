@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..kernels.prony import prony
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Number, Property, Solid
 from .registry import register
 from .uncoupled import Uncoupled, distortional
@@ -18,7 +18,7 @@ _TERMS = 6
 _NO_HISTORY = np.empty((0, 0))
 
 
-@dataclass(eq=False)
+@variable_record
 class _Series:
     """S = g0 Se + sum_i g_i H_i, H_i(t) = exp(-dt/t_i) H_i(t - dt) + (1 - exp(-dt/t_i)) t_i/dt (Se - Se_old).
 
@@ -64,7 +64,7 @@ class _Series:
             c += scale[:, None, None] * ce
 
 
-@dataclass(eq=False)
+@variable_record
 class Viscoelastic(_Series, Solid):
     """Viscoelastic solid over a compressible one; no stress outside a time step (dt = 0)."""
 
@@ -72,7 +72,7 @@ class Viscoelastic(_Series, Solid):
         self._relax(pts, s, c, self.elastic.stress)  # type: ignore[union-attr]
 
 
-@dataclass(eq=False)
+@variable_record
 class UncoupledViscoelastic(_Series, Uncoupled):
     """Viscoelastic distortional stress over a nearly incompressible solid, whose bulk modulus it takes over."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from ..kernels.push import add_scaled
 from ..points import Points
+from ..record import variable_record
 from .base import Floats, Property, Solid, unwritten, wanted
 from .elastic_damage import ElasticDamage, UncoupledElasticDamage
 from .reactive_viscoelastic import ReactiveViscoelastic
@@ -17,7 +18,7 @@ from .uncoupled import Uncoupled, distortional
 from .viscoelastic import _Series
 
 
-@dataclass(eq=False)
+@variable_record
 class _DamagedSeries(_Series):
     """(1 - D) times the viscoelastic stress of the undamaged solid; ``elastic`` is an elastic damage solid."""
 
@@ -31,7 +32,7 @@ class _DamagedSeries(_Series):
         add_scaled(1.0 - D, s0, wanted(c0), s, wanted(c))
 
 
-@dataclass(eq=False)
+@variable_record
 class ViscoelasticDamage(_DamagedSeries, Solid):
     """A Prony series over a damaged compressible solid."""
 
@@ -41,7 +42,7 @@ class ViscoelasticDamage(_DamagedSeries, Solid):
         self._damaged(pts, s, c)
 
 
-@dataclass(eq=False)
+@variable_record
 class UncoupledViscoelasticDamage(_DamagedSeries, Uncoupled):
     """A Prony series over a damaged nearly incompressible solid."""
 
@@ -51,7 +52,7 @@ class UncoupledViscoelasticDamage(_DamagedSeries, Uncoupled):
         self._damaged(pts, s, c)
 
 
-@dataclass(eq=False)
+@variable_record
 class ReactiveViscoelasticDamage(Solid):
     """(1 - D) times a reactive viscoelastic stress, D by a criterion of its strong bonds.
 

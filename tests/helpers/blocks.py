@@ -69,6 +69,11 @@ def settle(s: System) -> None:
     s.bodies.begin_step(q, s)
 
 
+def _since(q: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """The rotation that takes an earlier one to q."""
+    return rotation.unit(rotation.product(q, rotation.conjugate(old)))
+
+
 def measured(s: System, h: float = 1e-6) -> np.ndarray:
     """-dR / du by central differences, rotations composed onto the present ones."""
     n, q, bodies = s.eqs.n, s.state, s.bodies
@@ -76,7 +81,7 @@ def measured(s: System, h: float = 1e-6) -> np.ndarray:
     base, so_far, out = s.gather(q.d_old), s.gather(q.d) - s.gather(q.d_old), np.zeros((n, n))
     for i, r in enumerate(bodies.rows + 1):
         e = s.eqs.eq[r, :3]
-        so_far[e[e >= 0]] = rotation.cayley(bodies._turned(q, i))[e >= 0]
+        so_far[e[e >= 0]] = rotation.cayley(_since(q.extra["q"][i], q.extra["q_old"][i]))[e >= 0]
 
     def residual(u: np.ndarray) -> np.ndarray:
         s.set(base, so_far, u, s.targets(q.time))

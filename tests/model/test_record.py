@@ -10,8 +10,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from febkit.record import record, value_record
-from febkit.solver.record import variable_record
+from febkit.record import record, value_record, variable_record
 
 
 @value_record
@@ -38,6 +37,7 @@ class Part:
     name: str
     size: float = 1.0
     seen: list[str] = field(default_factory=list, init=False)
+    columns: int = field(default=1, init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.seen.append(self.name)
@@ -46,11 +46,29 @@ class Part:
 @variable_record
 class Wide(Part):
     width: float = 2.0
+    shade: float = field(default=0.0, kw_only=True)
 
 
 @dataclass(eq=False)
 class Deep(Part):
     depth: float = 3.0
+
+
+@variable_record
+class Mixed:
+    more: float = 6.0
+    columns = 7
+
+
+@value_record
+class Known:
+    size: int = 2
+    twice: int = field(default=4, init=False)
+
+
+@variable_record
+class Both(Mixed, Part):
+    name: str = "both"
 
 
 def test_fields_come_by_order_name_and_default() -> None:
@@ -96,19 +114,27 @@ def test_copies_and_pickles(again: object) -> None:
     assert q == p and q is not p
 
 
-@pytest.mark.parametrize("kind", [Part, Wide, Deep])
+@pytest.mark.parametrize("kind", [Part, Wide, Deep, Both])
 def test_a_record_that_changes(kind: type[Part]) -> None:
-    p = kind("a", 3.0)
-    assert (p.name, p.size, p.seen) == ("a", 3.0, ["a"]) and p != kind("a", 3.0) and Part.kinds == ("solid",)
+    p = kind(name="a", size=3.0)
+    assert (p.name, p.size, p.seen) == ("a", 3.0, ["a"]) and p != kind(name="a", size=3.0) and Part.kinds == ("solid",)
     p.size = 4.0
     q = replace(p, name="b")
     assert (type(q), q.name, q.size, q.seen) == (kind, "b", 4.0, ["b"])
     assert pickle.loads(pickle.dumps(p)).__dict__ == p.__dict__
     with pytest.raises(TypeError, match="seen"):
-        kind("a", seen=[])  # type: ignore[call-arg]
+        kind(name="a", seen=[])  # type: ignore[call-arg]
 
 
 def test_fields_of_a_record_that_inherits() -> None:
     w = Wide("a", width=5.0)
-    assert repr(w) == "Wide(name='a', size=1.0, seen=['a'], width=5.0)"
+    assert repr(w) == "Wide(name='a', size=1.0, seen=['a'], width=5.0, shade=0.0)"
+    with pytest.raises(TypeError, match="3 fields, not 4"):
+        Wide("a", 2.0, 3.0, 4.0)  # type: ignore[misc]
     assert (w.size, Deep("a", depth=4.0).depth, Wide("a", 2.0, 3.0).width) == (1.0, 4.0, 3.0)
+
+
+def test_what_is_not_given_is_the_default_or_what_a_class_has_in_its_place() -> None:
+    assert (Part("a").columns, Both().columns, Known(3).twice) == (1, 7, 4)
+    with pytest.raises(TypeError, match="twice"):
+        Known(twice=5)  # type: ignore[call-arg]

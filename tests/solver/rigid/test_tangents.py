@@ -74,6 +74,29 @@ def test_of_connectors(name: str, rho: float) -> None:
         np.testing.assert_allclose((np.cross(x, R[:, :3]) + R[:, 3:]).sum(axis=0), 0.0, atol=1e-12)
 
 
+def test_forces_of_connectors_are_those_of_the_present_state() -> None:
+    """What was found for the residual serves the tangent of the same state, and of no other."""
+    lock = CONNECTORS["revolute"]
+    s = blocks.system(blocks.two_boxes(**blocks.dynamic(0.5, connectors=[lock])))
+    blocks.shaken(s)
+    acting = s.bodies.connectors if s.bodies is not None else None
+    assert acting is not None
+
+    def forces() -> np.ndarray:
+        R = np.zeros_like(s.state.d)
+        acting.residual(s.state, R)
+        return R
+
+    before = forces()
+    np.testing.assert_array_equal(forces(), before)
+    for array in (s.state.d, s.state.d_old, s.state.velocity, s.state.extra["multipliers"], acting.penalties):
+        array[-2:] += 0.1
+        assert np.abs(forces() - before).max() > 1e-3
+        before = forces()
+    s.state.extra["q"][1] = rotation.of_vector(np.array([0.1, 0.2, 0.3]))
+    assert np.abs(forces() - before).max() > 1e-3
+
+
 @pytest.mark.parametrize("alpha", [1.0, 0.6])
 def test_of_loads_that_follow(alpha: float) -> None:
     force = loads.load("rigid_follower_force")(0, 16, arm=np.array([0.3, 0.1, -0.4]), given=(1.0, 2.0, 3.0))
@@ -109,7 +132,7 @@ def test_of_a_soft_cube_between_bodies(symmetric: bool | None) -> None:
     exact, got = blocks.measured(s), blocks.assembled(s)
     R = np.zeros_like(s.state.d)
     s.groups[0].physics.residual(0, 1, s.state, R, False)
-    z = s.bodies._arms(s.state, 1.0)
+    z = s.state.x[s.bodies.nodes] - s.state.x[s.bodies.owner[s.bodies.nodes]]
     for k, node in enumerate(s.bodies.nodes):
         e = s.eqs.eq[s.bodies.owner[node] + 1, :3]
         exact[np.ix_(e, e)] += rotation.skew(R[node, :3]) @ rotation.skew(z[k])
