@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+FEW = 256  # points of which something is remembered
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # components of symmetric tensors, in order
 
 
@@ -31,10 +33,23 @@ class Points:
     old: Floats | None = None
     new: Floats | None = None
     extra: dict[str, Floats] = field(default_factory=dict)
+    known: dict[tuple[int, ...], tuple[tuple[object, ...], Floats]] = field(default_factory=dict)
 
     @property
     def n(self) -> int:
         return len(self.J)
+
+    def once(self, of: tuple[object, ...], make: Callable[[], Floats]) -> Floats:
+        """What ``make`` gives for the places of the points and these objects, made once for all states of few points
+        (or where it is one for all): a fiber's direction takes as long as the stress along it."""
+        key = tuple(map(id, of))
+        found = self.known.get(key)
+        if found is not None:
+            return found[1]
+        made = make()
+        if self.n <= FEW or len(made) == 1:
+            self.known[key] = of, made  # the objects as well, so that their ids stay theirs
+        return made
 
     def some(self, rows: NDArray[np.int64]) -> Points:
         """Some of the points, without a history."""
@@ -43,7 +58,7 @@ class Points:
 
     def under(self, F: Floats, J: Floats) -> Points:
         """The same points under another deformation gradient, without a history."""
-        return Points(F, J, self.X, self.e, self.t, self.dt, self.Q, extra=self.extra)
+        return Points(F, J, self.X, self.e, self.t, self.dt, self.Q, extra=self.extra, known=self.known)
 
     @classmethod
     def at(cls, F: Floats, **kw: object) -> Points:

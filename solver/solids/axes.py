@@ -18,6 +18,13 @@ from .base import Floats, Number
 _X, _Y, _Z = np.eye(3)
 
 
+class Steady:
+    """Axes or directions that depend on places alone, unless it says otherwise."""
+
+    __slots__ = ()
+    steady = True
+
+
 def unit(v: ArrayLike) -> Floats:
     """Vectors (..., 3) divided by their lengths; zero vectors stay zero."""
     a = np.asarray(v, dtype=float)
@@ -48,7 +55,7 @@ def turn(v: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
 
 
 @record
-class FixedAxes:
+class FixedAxes(Steady):
     """Axes (1, 3, 3) or (n_elements, 3, 3), one for each element of the block."""
 
     Q: Floats
@@ -82,7 +89,7 @@ def local_axes(X: Floats, nodes: tuple[int, int, int] = (0, 0, 0)) -> FixedAxes:
 
 
 @record
-class SphericalAxes:
+class SphericalAxes(Steady):
     """``mat_axis type="spherical"``: ``vector`` turned with the radius from ``center``."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
@@ -109,7 +116,7 @@ def _around(v: Floats, b: Floats) -> Floats:
 
 
 @record
-class CylindricalAxes:
+class CylindricalAxes(Steady):
     """``mat_axis type="cylindrical"``: ``vector`` turned with the radius from the ``axis`` through ``center``."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
@@ -122,7 +129,7 @@ class CylindricalAxes:
 
 
 @record
-class PolarAxes:
+class PolarAxes(Steady):
     """``mat_axis type="polar"``: ``vector1`` at ``radius1`` to ``vector2`` at ``radius2``, turned with the radius."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
@@ -158,6 +165,10 @@ class AngleAxes:
     theta: Number = 0.0
     phi: Number = 90.0
 
+    @property
+    def steady(self) -> bool:
+        return as_value(self.theta).steady and as_value(self.phi).steady
+
     def __call__(self, pts: Points) -> Floats:
         t, p = (np.radians(as_value(x)(pts.t, pts.X, pts.e)) for x in (self.theta, self.phi))
         t, p = np.broadcast_arrays(t, p)
@@ -168,7 +179,7 @@ class AngleAxes:
 
 
 @record
-class FixedVector:
+class FixedVector(Steady):
     """One direction (1, 3), or one for each element of the block (n_elements, 3)."""
 
     a: Floats
@@ -189,7 +200,7 @@ def local_vector(X: Floats, nodes: tuple[int, int] = (0, 0)) -> FixedVector:
 
 
 @record
-class SphericalVector:
+class SphericalVector(Steady):
     """``fiber type="spherical"``: ``vector`` turned with the radius from ``center``."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
@@ -200,7 +211,7 @@ class SphericalVector:
 
 
 @record
-class CylindricalVector:
+class CylindricalVector(Steady):
     """``fiber type="cylindrical"``: ``vector`` turned with the radius from the ``axis`` through ``center``."""
 
     center: ArrayLike = (0.0, 0.0, 0.0)
@@ -219,6 +230,10 @@ class AngleVector:
     theta: Number = 0.0
     phi: Number = 90.0
 
+    @property
+    def steady(self) -> bool:
+        return as_value(self.theta).steady and as_value(self.phi).steady
+
     def __call__(self, pts: Points) -> Floats:
         return AngleAxes(self.theta, self.phi)(pts)[..., 0]
 
@@ -230,6 +245,10 @@ class MathVector:
     x: Number
     y: Number
     z: Number
+
+    @property
+    def steady(self) -> bool:
+        return all(as_value(v).steady for v in (self.x, self.y, self.z))
 
     def __call__(self, pts: Points) -> Floats:
         parts = (as_value(v)(pts.t, pts.X, pts.e) for v in (self.x, self.y, self.z))

@@ -104,8 +104,13 @@ class Solid(Law):
         """The points as seen with this record's own axes multiplied in."""
         if self.mat_axis is None:
             return pts
+        if getattr(self.mat_axis, "steady", False):
+            return replace(pts, Q=pts.once((self.mat_axis, pts.Q), lambda: self._axes(pts)))
+        return replace(pts, Q=self._axes(pts))
+
+    def _axes(self, pts: Points) -> Floats:
         own = np.asarray(self.mat_axis(pts))
-        return replace(pts, Q=np.ascontiguousarray(own if pts.Q is None else pts.Q @ own))
+        return np.ascontiguousarray(own if pts.Q is None else pts.Q @ own)
 
     def initial(self, n: int) -> Floats:
         """History of ``n`` points before the first step (n, history)."""

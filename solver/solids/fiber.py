@@ -23,6 +23,12 @@ _NONE = np.empty((0, 0))
 
 def directions(fiber: Any, pts: Points) -> Floats:
     """Unit reference directions (1|n, 3): the local vectors of ``fiber`` turned by ``pts.Q``."""
+    if fiber is None or getattr(fiber, "steady", False):
+        return pts.once((fiber, pts.Q), lambda: _directions(fiber, pts))
+    return _directions(fiber, pts)
+
+
+def _directions(fiber: Any, pts: Points) -> Floats:
     if fiber is None:
         a = np.array([[1.0, 0.0, 0.0]])
     else:
@@ -55,6 +61,7 @@ def part(pts: Points, at: slice) -> Points:
         J=pts.J[at],
         X=pts.X[at],
         e=pts.e[at],
+        known={},
         Q=cut(pts.Q),
         old=None if pts.old is None else pts.old[at],
         new=None if pts.new is None else pts.new[at],
