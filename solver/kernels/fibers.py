@@ -75,9 +75,10 @@ def add_fibers(F, J, A, w, In, sn, cn, g, iso, s, c):
 
 
 @kernel
-def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
+def add_power_fibers(F, J, A, w, Q, ksi, beta, iso, s, c):
     """Add the stress and tangent of fibers W = ksi (In - 1)^beta in tension; w (m,), ksi, beta (1|n, m).
 
+    Where axes ``Q`` (0|1|n, 3, 3; columns) are given, ksi and beta are (1|n, 3): 1/r^2 of the ellipsoids along them.
     n dyad n dyad n dyad n has fifteen different components, summed up by pairs of coordinates.
     """
     T, h, M = np.empty(6), np.empty((1, 6, 6)), np.empty((5, 3))
@@ -85,6 +86,7 @@ def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
         d = i if A.shape[0] > 1 else 0
         a = i if ksi.shape[0] > 1 else 0
         b = i if beta.shape[0] > 1 else 0
+        local = i if Q.shape[0] > 1 else 0
         scale = J[i] ** (-2.0 / 3.0) if iso else 1.0
         clear(T, h)
         M[:] = 0.0
@@ -96,8 +98,16 @@ def add_power_fibers(F, J, A, w, ksi, beta, iso, s, c):
             e = scale * (xx + yy + zz) - 1.0
             if e <= 0.0:
                 continue
-            q = beta[b, j]
-            k = 2.0 * w[j] * ksi[a, j] * q * scale * _power(e, q - 2.0)
+            if Q.shape[0] > 0:
+                r = q = 0.0
+                for p in range(3):
+                    n = A[d, j, 0] * Q[local, 0, p] + A[d, j, 1] * Q[local, 1, p] + A[d, j, 2] * Q[local, 2, p]
+                    r += n * n * ksi[a, p]
+                    q += n * n * beta[b, p]
+                r, q = 1.0 / np.sqrt(r), 1.0 / np.sqrt(q)
+            else:
+                r, q = ksi[a, j], beta[b, j]
+            k = 2.0 * w[j] * r * q * scale * _power(e, q - 2.0)
             xy, yz, xz = x * y, y * z, x * z
             f = k * e
             T[0] += f * xx

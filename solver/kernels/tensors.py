@@ -249,6 +249,10 @@ def eigen(a, A, w, V):
                 h = A[q, q] - A[p, p]
                 if g == 0.0:
                     continue
+                x, y = abs(A[p, p]), abs(A[q, q])
+                if x + 100.0 * abs(g) == x and y + 100.0 * abs(g) == y:  # less than rounding of both values
+                    A[p, q] = A[q, p] = 0.0
+                    continue
                 if abs(h) + 100.0 * abs(g) == abs(h):
                     t = g / h
                 else:

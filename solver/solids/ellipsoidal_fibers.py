@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from .schemes import _of_angles, _stored
 from .uncoupled import Uncoupled
 from .veronda_westmann import VerondaWestmann
 
+_NO_AXES = np.empty((0, 3, 3))
 _SIGNS = np.array([[1, 1, 1], [-1, 1, 1], [-1, -1, 1], [1, -1, 1]], dtype=float)
 
 
@@ -28,6 +30,7 @@ def _octants() -> tuple[Floats, Floats]:
     return N, np.tile(2.0 * rule[:, 3], 4)
 
 
+@lru_cache(maxsize=1)
 def _dome() -> tuple[Floats, Floats]:
     """A geodesic dome over the whole sphere: (320, 3) and weights (320,)."""
     N, w = _of_angles(_stored("geodesic_low"))
@@ -72,7 +75,15 @@ class _Ellipsoidal(Solid):
         return family
 
     def fibers(self, pts: Points, s: Floats, c: Floats | None) -> None:
-        add_power_fibers(pts.F, pts.J, *self._family(pts), self.iso, s, wanted(c))
+        Q = self.inner(pts).Q if self.dome else None
+        if Q is None:
+            A, w, ksi, beta = self._family(pts)
+            add_power_fibers(pts.F, pts.J, A, w, _NO_AXES, ksi, beta, self.iso, s, wanted(c))
+            return
+        N, w = _dome()  # directions are the same everywhere, their lengths in the ellipsoids are not
+        with np.errstate(divide="ignore"):
+            ksi, beta = (self.vector(name, pts) ** -2.0 for name in ("ksi", "beta"))
+        add_power_fibers(pts.F, pts.J, N[None], w, np.ascontiguousarray(Q), ksi, beta, self.iso, s, wanted(c))
 
     def fibers_energy(self, pts: Points) -> Floats:
         A, w, ksi, beta = self._family(pts)

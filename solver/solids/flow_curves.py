@@ -115,13 +115,17 @@ class MathCurve(FlowCurve):
     options = ("nf",)
     properties = {"plastic_response": Property("formula")}
     _found: Any = field(default=None, init=False, repr=False)  # pairs of strains and the families between them
+    _constant: Any = field(default=None, init=False, repr=False)  # the families, where they are the same everywhere
 
     @property
     def size(self) -> int:
         return int(self.nf)
 
     def families(self, pts: Points) -> tuple[Floats, Floats]:
-        e0, emax = np.broadcast_arrays(*(as_value(v)(pts.t, pts.X, pts.e) for v in (self.e0, self.emax)))
+        values = as_value(self.e0), as_value(self.emax)
+        if self._constant is not None:
+            return self._constant  # type: ignore[no-any-return]
+        e0, emax = np.broadcast_arrays(*(v(pts.t, pts.X, pts.e) for v in values))
         ends, which = np.unique(np.stack([e0, emax], axis=1), axis=0, return_inverse=True)
         key = ends.tobytes()
         if self._found is None or self._found[0] != key:
@@ -129,7 +133,10 @@ class MathCurve(FlowCurve):
             self._found = key, np.concatenate(Ky), np.concatenate(w)
         _, strains, fractions = self._found
         which = which.reshape(-1)
-        return strains[which], fractions[which]
+        out = strains[which], fractions[which]
+        if all(v.constant for v in values):
+            self._constant = out
+        return out
 
     def _between(self, a: float, b: float) -> tuple[Floats, Floats]:
         Y: Any = self.plastic_response

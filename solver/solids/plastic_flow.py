@@ -6,12 +6,64 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..kernels import plastic
 from ..kernels.return_map import newton, normals, place, polar
 from ..matrices import det
 from ..points import Points
+from ..values import as_value
 from .base import Floats, Solid, evaluate
 from .batches import states
+from .criteria import DeshpandeFleck, DruckerPrager, VonMises
+from .natural_neo_hookean import NaturalNeoHookean
+from .neo_hookean import NeoHookean, NeoHookeanAD
+
+# what :mod:`..kernels.plastic` knows, by exact type: bases of E and v, criteria and the name of their number
+_BASES: dict[type, int] = {
+    NeoHookean: plastic.NEO_HOOKEAN,
+    NeoHookeanAD: plastic.NEO_HOOKEAN,
+    NaturalNeoHookean: plastic.NATURAL_NEO_HOOKEAN,
+}
+_CRITERIA: dict[type, tuple[int, str]] = {
+    VonMises: (plastic.VON_MISES, ""),
+    DruckerPrager: (plastic.DRUCKER_PRAGER, "b"),
+    DeshpandeFleck: (plastic.DESHPANDE_FLECK, "beta"),
+}
+_NO_NUMBER = np.zeros(1)
+
+
+@dataclass(slots=True)
+class Families:
+    """Bond families of n points at the present: inverse plastic parts ``Us`` (n, f, 9), yield measures ``K`` (n, f),
+    ``phase`` (n, f) of :mod:`..kernels.plastic`, stresses ``s`` (n, f + 1, 6) of each and, last, of intact bonds."""
+
+    Us: Floats
+    K: Floats
+    phase: NDArray[np.int32]
+    s: Floats
+
+    @classmethod
+    def of(
+        cls, base: Any, criterion: Any, pts: Points, old: Floats, active: int, Ky: Floats, rtol: float, iso: int,
+        short: bool,
+    ) -> Families | None:  # fmt: skip
+        """By machine code for all at once; None where the base or the criterion is not known to it.
+
+        ``old`` (n, f, columns), ``active`` and ``short`` as :func:`..kernels.plastic.families` takes them.
+        """
+        law, known = _BASES.get(type(base)), _CRITERIA.get(type(criterion))
+        if law is None or known is None or base.mat_axis is not None:
+            return None
+        code, name = known
+        number = as_value(getattr(criterion, name))(pts.t, pts.X, pts.e) if name else _NO_NUMBER
+        n, f = old.shape[:2]
+        out = cls(np.empty((n, f, 9)), np.empty((n, f)), np.empty((n, f), np.int32), np.empty((n, f + 1, 6)))
+        plastic.families(
+            pts.F, pts.J, old, active, Ky, base.par(pts), number, law, code, rtol, iso, short,
+            out.Us, out.K, out.phase, out.s,
+        )  # fmt: skip
+        return out
 
 
 @dataclass(slots=True)

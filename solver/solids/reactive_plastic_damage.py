@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.plastic import FRESH
 from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
 from .batches import states
-from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
+from .plastic_flow import Families, Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
 from .secant import secant_tangent
 
@@ -96,8 +97,11 @@ class ReactivePlasticDamage(Solid):
         out[:, _HEAD:].reshape(n, -1, _EACH)[:, :, :9] = np.eye(3).ravel()
         return out
 
-    def _flow(self, pts: Points) -> tuple[Floats, Floats, Floats]:
-        """Inverse plastic parts (n, nf, 3, 3), yielded fractions (n, nf) and the intact fraction (n,)."""
+    def _flow(self, pts: Points) -> tuple[Floats, Floats, Floats, Floats | None]:
+        """Inverse plastic parts (n, nf, 3, 3), yielded fractions (n, nf) and the intact fraction (n,).
+
+        And stresses (n, nf + 1, 6) of the families and, last, of intact bonds, where they were had along with them.
+        """
         at, h, n = self.offset, self.history, pts.n
         old = self.initial(n) if pts.old is None else pts.old[:, at : at + h]
         state = old[:, _HEAD:].reshape(n, -1, _EACH).copy()
@@ -107,7 +111,7 @@ class ReactivePlasticDamage(Solid):
         if self.elastic_damage_criterion is not None:
             E = np.maximum(self.elastic_damage_criterion.of(self.elastic, pts), E)
         di = self._cdf(self.elastic_damage, pts, E)
-        self._yield(pts, state, Ky, share[:, :f])
+        s = self._yield(pts, state, Ky, share[:, :f])
         D = di * share[:, f] + self._fail(pts, state, share[:, :f], di[:, None]).sum(1)
         w = state[:, :, _W]
         if pts.new is not None:
@@ -115,34 +119,45 @@ class ReactivePlasticDamage(Solid):
             out[:, :, _B] = np.where(w > 0, 1.0, out[:, :, _B])
             pts.new[:, at], pts.new[:, at + 1] = np.maximum(E, old[:, 0]), D
             pts.new[:, at + _HEAD : at + h] = out.reshape(n, -1)
-        return state[:, :, :9].reshape(n, f, 3, 3), w, 1.0 - w.sum(1) - D
+        return state[:, :, :9].reshape(n, f, 3, 3), w, 1.0 - w.sum(1) - D, s
 
     @staticmethod
     def _cdf(law: Any, pts: Points, X: Floats) -> Floats:
         return np.zeros(X.shape) if law is None else np.broadcast_to(law.cdf(pts, X), X.shape)
 
-    def _yield(self, pts: Points, state: Floats, Ky: Floats, share: Floats) -> None:
-        """Bring the families (n, nf, 16) from the old state to the present."""
+    def _yield(self, pts: Points, state: Floats, Ky: Floats, share: Floats) -> Floats | None:
+        """Bring the families (n, nf, 16) from the old state to the present; returns stresses as :meth:`_flow` does."""
+        rtol, iso = float(self.par(pts)[0, 0]), bool(self.isochoric)
+        Ky = np.ascontiguousarray(Ky)
+        found = Families.of(self.elastic, self.yield_criterion, pts, state, _T, Ky, rtol, int(iso), True)
+        if found is not None:
+            self._start(state, found.phase > 0, found.phase == FRESH, share)
+            state[:, :, :9], state[:, :, _K] = found.Us, found.K
+            return found.s
         base: Any = self.elastic
         n, f = Ky.shape
-        rtol = float(self.par(pts)[0, 0])
         Us, Ku = state[:, :, :9].reshape(n, f, 3, 3), state[:, :, _K].copy()
         Kv, beyond = beyond_yield(base, self.yield_criterion, pts, Us, Ky, rtol)
-        fresh = beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol))
+        self._start(state, beyond, beyond & (Kv > Ku) & (Ku < Ky * (1 + rtol)), share)
+        rows: Any = np.flatnonzero(beyond)
+        if len(rows):
+            here = families_at(pts, rows, f)
+            flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
+            trial = Trial.start(base, self.yield_criterion, here, flat[rows], iso)
+            F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
+            flat[rows] = inv(here.F) @ F
+            state[:, :, :9], Kv = flat.reshape(n, f, 9), K.reshape(n, f)
+        state[:, :, _K] = Kv
+        return None
+
+    @staticmethod
+    def _start(state: Floats, beyond: Any, fresh: Any, share: Floats) -> None:
+        """Families that yield now for the first time take their share of what is intact."""
         starts = fresh & (state[:, :, _T] == 0)
         never = beyond & ~fresh & (state[:, :, _B] == 0)
         w = np.where(starts, (1.0 - state[:, :, _DI]) * share, state[:, :, _W])
         state[:, :, _W] = np.where(never, 0.0, w)
         state[:, :, _T] = np.where(starts, 1.0, np.where(never, 0.0, state[:, :, _T]))
-        rows: Any = np.flatnonzero(beyond)
-        if len(rows):
-            here = families_at(pts, rows, f)
-            flat, K = Us.reshape(-1, 3, 3).copy(), Kv.ravel()
-            trial = Trial.start(base, self.yield_criterion, here, flat[rows], bool(self.isochoric))
-            F, K[rows] = return_to_surface(trial, Ky.ravel()[rows], rtol)
-            flat[rows] = inv(here.F) @ F
-            state[:, :, :9], Kv = flat.reshape(n, f, 9), K.reshape(n, f)
-        state[:, :, _K] = Kv
 
     def _fail(self, pts: Points, state: Floats, share: Floats, di: Floats) -> Floats:
         """Update what has failed of each family; return its broken fraction of all bonds (n, nf)."""
@@ -161,8 +176,10 @@ class ReactivePlasticDamage(Solid):
         return (1.0 - left) * share
 
     def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
-        base: Any = self.elastic
-        return mixed_stress(base, pts, *self._flow(pts), tangent)
+        Us, w, intact, s = self._flow(pts)
+        if s is None or tangent:
+            return mixed_stress(self.elastic, pts, Us, w, intact, tangent)  # type: ignore[arg-type]
+        return np.einsum("nf,nfi->ni", np.concatenate((w, intact[:, None]), axis=1), s), None
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
@@ -179,7 +196,7 @@ class ReactivePlasticDamage(Solid):
     def energy(self, pts: Points) -> Floats:
         within = self.inner(unwritten(pts))
         base: Any = self.elastic
-        return mixed_energy(base, within, *self._flow(within), bool(self.isochoric))
+        return mixed_energy(base, within, *self._flow(within)[:3], bool(self.isochoric))
 
 
 register(ReactivePlasticDamage, "reactive plastic damage")

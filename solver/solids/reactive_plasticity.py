@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.plastic import yielded
 from ..kernels.return_map import advance
 from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten
-from .plastic_flow import Trial, beyond_yield, families_at, mixed_energy, mixed_stress
+from .plastic_flow import Families, Trial, beyond_yield, families_at, mixed_energy, mixed_stress
 from .registry import register
 from .secant import secant_tangent
 
@@ -104,7 +105,18 @@ class ReactivePlasticity(Solid):
         return Us, w
 
     def _cauchy(self, pts: Points) -> Floats:
-        return self._sum(pts, False)[0]
+        """Stress (n, 6); by machine code, where it knows base and criterion."""
+        old, rtol = np.ascontiguousarray(self._old(pts)), float(self.par(pts)[0, 0])
+        Ky, share = self.flow_curve.families(pts)
+        iso = int(bool(self.isochoric))
+        found = Families.of(self.elastic, self.yield_criterion, pts, old, _W, Ky, rtol, iso, False)
+        if found is None:
+            return self._sum(pts, False)[0]
+        s, new = np.zeros((pts.n, 6)), np.empty(old.shape if pts.new is not None else (0, *old.shape[1:]))
+        yielded(old, found.Us, found.K, found.phase, Ky, share, rtol, found.s, s, new)
+        if pts.new is not None:
+            pts.new[:, self.offset : self.offset + self.history] = new.reshape(pts.n, -1)
+        return s
 
     def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
         Us, w = self._flow(pts)
@@ -112,11 +124,14 @@ class ReactivePlasticity(Solid):
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
-        exact = c is not None and not self.secant_tangent
-        si, ci = self._sum(within, exact)
-        s += si
+        if c is not None and not self.secant_tangent:
+            si, ci = self._sum(within, True)
+            s += si
+            c += ci  # type: ignore[arg-type]
+            return
+        s += self._cauchy(within)
         if c is not None:
-            c += ci if ci is not None else secant_tangent(self._cauchy, within)
+            c += secant_tangent(self._cauchy, within)
 
     def energy(self, pts: Points) -> Floats:
         within = self.inner(unwritten(pts))

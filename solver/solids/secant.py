@@ -8,25 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..kernels.push import congruence
-from ..matrices import det, eigh, inv
+from ..kernels.secant import add_differences, stretched
+from ..matrices import det, inv
 from ..points import Points
 from .base import Floats
 from .batches import states
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-
-
-def _push(D: Floats, pts: Points) -> Floats:
-    """dS/dE (n, 6, 6) pushed forward to c, in place."""
-    F, one, Ji = np.ascontiguousarray(pts.F), np.ones(pts.n), 1.0 / pts.J
-    out = np.empty((pts.n, 6))
-    for m in range(6):
-        congruence(F, one, np.ascontiguousarray(D[:, :, m]), out)
-        D[:, :, m] = out
-    for m in range(6):
-        congruence(F, Ji, np.ascontiguousarray(D[:, m, :]), out)
-        D[:, m, :] = out
-    return D
 
 
 def central_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float = 2e-4) -> Floats:
@@ -58,18 +46,9 @@ def secant_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float =
     ``stress(pts)`` returns the Cauchy stress (n, 6); it sees points turned back by the rotation R of F = R U,
     with ``old`` and without ``new``, and must be frame indifferent.
     """
-    C = (np.swapaxes(pts.F, 1, 2) @ pts.F)[:, None] + np.zeros((7, 1, 1))
-    for m, (k, l) in enumerate(_PAIRS):
-        C[:, m + 1, k, l] += eps
-        C[:, m + 1, l, k] += eps
-    w, V = eigh(C)
-    root = np.sqrt(w)
-    U = (V * root[..., None, :]) @ np.swapaxes(V, -1, -2)
-    Ui = (V / root[..., None, :]) @ np.swapaxes(V, -1, -2)
-    turned = states(pts, U, root.prod(-1), history=True)
-    s = stress(turned)
-    S = np.empty_like(s)
-    congruence(np.ascontiguousarray(Ui.reshape(-1, 3, 3)), turned.J, s, S)
-    S = S.reshape(pts.n, 7, 6)
-    D = (S[:, 1:] - S[:, :1]) / eps  # (n, pair, 6)
-    return _push(np.ascontiguousarray(np.swapaxes(D, 1, 2)), pts)
+    n = pts.n
+    U, Ui, J, c = np.empty((n, 7, 3, 3)), np.empty((7 * n, 3, 3)), np.empty(7 * n), np.zeros((n, 6, 6))
+    stretched(pts.F, eps, U.reshape(-1, 3, 3), Ui, J)
+    s = np.ascontiguousarray(stress(states(pts, U, J, history=True)))
+    add_differences(s, Ui, J, pts.F, eps, np.empty_like(s), c)
+    return c

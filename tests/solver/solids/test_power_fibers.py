@@ -24,6 +24,22 @@ def test_sums_over_fibers_of_given_tension(beta: float, iso: bool) -> None:
     assert 0 < (x > 0.0).sum() < x.size
     want, got = ((np.zeros((4, 6)), np.zeros((4, 6, 6))) for _ in range(2))
     add_fibers(F, J, A, w[None], In, sn, cn, np.empty((0, 0)), iso, *want)
-    add_power_fibers(F, J, A, w, ksi, q, iso, *got)
+    add_power_fibers(F, J, A, w, np.empty((0, 3, 3)), ksi, q, iso, *got)
+    for a, b in zip(got, want, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-13)
+
+
+def test_lengths_in_an_ellipsoid_along_axes_are_those_given_by_direction() -> None:
+    """1/ksi^2 = sum (N . e_k)^2 / ksi_k^2 along turned axes e_k, and so for beta."""
+    rng = np.random.default_rng(4)
+    F, N, w = np.eye(3) + 0.3 * rng.uniform(-1, 1, (4, 3, 3)), rng.normal(size=(1, 20, 3)), rng.uniform(0.5, 1.0, 20)
+    N /= np.linalg.norm(N, axis=2, keepdims=True)
+    Q = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0]
+    axes = [rng.uniform(0.5, 2.0, (1, 3)), rng.uniform(2.1, 4.0, (1, 3))]
+    by_direction = [(((N @ Q) / a[:, None, :]) ** 2).sum(2) ** -0.5 for a in axes]
+    want, got = ((np.zeros((4, 6)), np.zeros((4, 6, 6))) for _ in range(2))
+    add_power_fibers(F, np.linalg.det(F), N, w, np.empty((0, 3, 3)), *by_direction, False, *want)
+    add_power_fibers(F, np.linalg.det(F), N, w, np.ascontiguousarray(Q), *(a**-2.0 for a in axes), False, *got)
+    assert np.abs(want[1]).max() > 0.0
     for a, b in zip(got, want, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-13)
