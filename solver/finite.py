@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.vectors import total
 from .values import Value
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ class NotFinite(RuntimeError):
 
 def whole(a: NDArray[np.floating]) -> bool:
     """Are all numbers finite? A finite sum has finite terms only; one that is not may have overflowed."""
-    return isfinite(np.add.reduce(a, axis=None)) or bool(np.isfinite(a).all())
+    added = total(a.ravel()) if a.dtype == np.float64 else np.add.reduce(a, axis=None)
+    return isfinite(added) or bool(np.isfinite(a).all())
 
 
 def check_parameters(block: Block, pts: Points, steady: bool = False) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,14 @@ class Points:
         if self.n <= FEW or len(made) == 1:
             self.known[key] = of, made  # the objects as well, so that their ids stay theirs
         return made
+
+    def but(self, **other: Any) -> Points:
+        """The same points, but for these fields."""
+        rest = self.t, self.dt, self.Q, self.old, self.new, self.extra, self.known
+        out = Points(self.F, self.J, self.X, self.e, *rest)
+        for name, value in other.items():
+            setattr(out, name, value)
+        return out
 
     def some(self, rows: NDArray[np.int64]) -> Points:
         """Some of the points, without a history."""

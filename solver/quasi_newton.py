@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.vectors import add_along
 from .problem import NewtonOptions
 from .vectors import dot
 
@@ -89,10 +90,10 @@ class BFGS(_Buffered):
     def solve(self, b: Floats) -> Floats:
         t = b.copy()
         for v, w in zip(reversed(self._a), reversed(self._b)):
-            t += v * dot(w, t)
+            add_along(v, w, t)
         x = self.back(t)
         for v, w in zip(self._a, self._b):
-            x += w * dot(v, x)
+            add_along(w, v, x)
         return x
 
     def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:

@@ -31,7 +31,7 @@ from .system import System
 from .threads import Team
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from .erosion import Erosion
     from .refine import Change, Refinement
@@ -89,6 +89,7 @@ class Run:
         self, problem: Problem, listeners: Sequence[Listener] = (), options: Options | None = None,
         graph: MakeGraph = Graph,
     ) -> None:  # fmt: skip
+        self._told: dict[str, list[Callable[..., object]]] = {}
         self.resumed: Start | None = None  # what the run goes on from
         self.remembers = False  # are checkpoints taken?
         self.problem, self.listeners, self.options = problem, list(listeners), options or Options()
@@ -115,8 +116,11 @@ class Run:
         return self.problem.steps[self.index]
 
     def tell(self, event: str, *args: object) -> None:
-        for listener in self.listeners:
-            getattr(listener, event)(self, *args)
+        if event not in self._told:  # those that do something
+            each, idle = [getattr(q, event) for q in self.listeners], getattr(Listener, event)
+            self._told[event] = [hear for hear in each if getattr(hear, "__func__", None) is not idle]
+        for hear in self._told[event]:
+            hear(self, *args)
 
     # ---- the loop ---------------------------------------------------------------------------------
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what comes of it is found by ``finite``

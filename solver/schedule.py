@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,9 +28,9 @@ class Share:
     thread: int
     chunks: list[tuple[Group, Chunk]] = field(default_factory=list)
 
-    @property
+    @cached_property
     def spans(self) -> list[tuple[Group, int, int]]:
-        """(group, first element, one past the last) of the share, group by group."""
+        """(group, first element, one past the last) of the share, group by group; chunks no longer change."""
         out: list[tuple[Group, int, int]] = []
         for g, c in self.chunks:
             if out and out[-1][0] is g and out[-1][2] == c.lo:

@@ -13,6 +13,7 @@ from .fields import ROTATION
 from .finite import whole
 from .graph import Graph, MakeGraph
 from .group import Group
+from .kernels import vectors
 from .kernels.pattern import scatter_any, uncouple
 from .law import PoreCollapse
 from .linear.base import Matrix
@@ -225,7 +226,9 @@ class System:
         return out
 
     def gather(self, nodal: Floats) -> Floats:
-        return nodal[self.eqs.numbered]
+        out = np.empty(self.eqs.n)
+        vectors.gather(self.eqs.eq, nodal, out)
+        return out
 
     def spread(self, vector: Floats, into: Floats) -> None:
         """Write the free entries of an equation vector to a nodal array."""
@@ -243,10 +246,12 @@ class System:
         ``increment`` is that of the step so far, to which ``u`` is added (rotations of rigid bodies: composed).
         """
         s = self.state
-        given = self.eqs.is_given
-        s.d[given] = target[given]
-        followed = [c.values(s) for c in self.following]
-        self.spread(total + increment + u, s.d)
+        followed = []
+        if self.following:
+            given = self.eqs.is_given
+            s.d[given] = target[given]
+            followed = [c.values(s) for c in self.following]
+        vectors.place(self.eqs.eq, self.eqs.free, total, increment, u, target, s.d)
         self._keep_positive()
         self._drain()
         for c, v in zip(self.following, followed, strict=True):

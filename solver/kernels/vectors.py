@@ -1,4 +1,4 @@
-"""Inner products of long vectors."""
+"""Sums over long vectors, and between vectors over equations and nodal arrays."""
 
 from __future__ import annotations
 
@@ -23,3 +23,50 @@ def inner(a, b):
     for i in range(whole, n):
         s0 += a[i] * b[i]
     return ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7))
+
+
+@kernel
+def total(a):
+    """The sum of a, in eight sums."""
+    n = len(a)
+    s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
+    whole = n - n % 8
+    for i in range(0, whole, 8):
+        s0 += a[i]
+        s1 += a[i + 1]
+        s2 += a[i + 2]
+        s3 += a[i + 3]
+        s4 += a[i + 4]
+        s5 += a[i + 5]
+        s6 += a[i + 6]
+        s7 += a[i + 7]
+    for i in range(whole, n):
+        s0 += a[i]
+    return ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7))
+
+
+@kernel
+def add_along(v, w, t):
+    """t += v (w . t)"""
+    c = inner(w, t)
+    for i in range(len(t)):
+        t[i] += v[i] * c
+
+
+@kernel
+def gather(eq, nodal, out):
+    """Entries of a nodal array (node, column) at their equations ``eq`` (-1: none)."""
+    for a in range(eq.shape[0]):
+        for i in range(eq.shape[1]):
+            if eq[a, i] >= 0:
+                out[eq[a, i]] = nodal[a, i]
+
+
+@kernel
+def place(eq, free, total, increment, u, target, d):
+    """d (node, column) <- total + increment + u at free equations, ``target`` at prescribed ones (``free``: -1)."""
+    for a in range(eq.shape[0]):
+        for i in range(eq.shape[1]):
+            e = eq[a, i]
+            if e >= 0:
+                d[a, i] = total[e] + increment[e] + u[e] if free[e] >= 0 else target[a, i]

@@ -56,11 +56,11 @@ class ThreeFieldWork(StandardWork):
         p = self._of_mean(self.law.pressure, c)
         # the multiplier acts through h(J) = ln J, h' = 1/J (FEBio's augmented Lagrangian)
         self.ep[e] = p + self.Lk[e] / self.eJ[e]
-        s[:, :3] += np.repeat(self.ep[e], g.g)[:, None]
+        s[:, :3] += self.ep[e].repeat(g.g)[:, None]
 
     def _of_mean(self, law: Callable[[Floats, Points], Floats], c: Chunk) -> Floats:
         """A volumetric law at the element-mean relative volumes of a chunk."""
-        return law(np.repeat(self.eJ[c.lo : c.hi], self.group.g), c.points)[:: self.group.g]
+        return law(self.eJ[c.lo : c.hi].repeat(self.group.g), c.points)[:: self.group.g]
 
     def moduli(self, c: Chunk, s: Floats, C: Floats) -> None:
         """Deviatoric law and the element pressure's share of stress and tangent."""

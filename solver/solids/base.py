@@ -24,7 +24,7 @@ through :func:`.history.begin` before each step.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field, fields, replace
+from dataclasses import field, fields
 from functools import lru_cache
 from typing import ClassVar
 
@@ -105,8 +105,8 @@ class Solid(Law):
         if self.mat_axis is None:
             return pts
         if getattr(self.mat_axis, "steady", False):
-            return replace(pts, Q=pts.once((self.mat_axis, pts.Q), lambda: self._axes(pts)))
-        return replace(pts, Q=self._axes(pts))
+            return pts.but(Q=pts.once((self.mat_axis, pts.Q), lambda: self._axes(pts)))
+        return pts.but(Q=self._axes(pts))
 
     def _axes(self, pts: Points) -> Floats:
         own = np.asarray(self.mat_axis(pts))
@@ -148,12 +148,12 @@ def wanted(c: Floats | None) -> Floats:
 def deformed(pts: Points, F: Floats) -> Points:
     """The same points under another deformation gradient ``F`` (n, 3, 3)."""
     F = np.ascontiguousarray(F)
-    return replace(pts, F=F, J=det(F))
+    return pts.but(F=F, J=det(F))
 
 
 def unwritten(pts: Points) -> Points:
     """The points without ``new``: what asks for an energy must not move the state."""
-    return pts if pts.new is None else replace(pts, new=None)
+    return pts if pts.new is None else pts.but(new=None)
 
 
 def evaluate(solid: Solid, pts: Points, tangent: bool = True) -> tuple[Floats, Floats | None]:

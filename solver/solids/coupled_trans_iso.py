@@ -39,9 +39,7 @@ class _CoupledTransIso(Solid):
         raise NotImplementedError
 
     def _directions(self, pts: Points) -> Floats:
-        from dataclasses import replace
-
-        return directions(self.fiber, replace(pts, Q=None))[:, None]
+        return directions(self.fiber, pts.but(Q=None))[:, None]
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         par, lnJ, J = self.par(pts), np.log(pts.J), pts.J

@@ -6,7 +6,7 @@ continuous distribution hands it many.
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -55,8 +55,7 @@ def part(pts: Points, at: slice) -> Points:
     def cut(a: Floats | None) -> Floats | None:
         return a if a is None or len(a) == 1 else a[at]
 
-    return replace(
-        pts,
+    return pts.but(
         F=pts.F[at],
         J=pts.J[at],
         X=pts.X[at],

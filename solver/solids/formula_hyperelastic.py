@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -98,7 +97,7 @@ class _FormulaTransIso(Solid):
     properties = {"W": Property("fiber energy"), **FourthInvariant.properties}
 
     def inner(self, pts: Points) -> Points:
-        return replace(pts, Q=None)
+        return pts.but(Q=None)
 
     def derivatives(self, pts: Points, i: dict[str, Floats]) -> tuple[Floats | float, ...]:
         at = self._at(pts, i)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -56,7 +55,7 @@ def begin(root: Solid, pts: Points) -> Floats:
     old = pts.old
     if old is None:
         old = initial(root, pts.n)
-        pts = replace(pts, old=old)
+        pts = pts.but(old=old)
     before = [(node, node.offset, node.history) for node in root.walk()]
     growing = [node for node, _, _ in before if type(node).room is not Solid.room]
     if not growing:

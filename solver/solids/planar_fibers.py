@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -97,7 +97,7 @@ class PlanarFibers(_Planar):
     properties = {"fiber": Property("direction", default="vector")}
 
     def family(self, pts: Points) -> tuple[Floats, Floats]:
-        r = directions(self.fiber, replace(pts, Q=None))
+        r = directions(self.fiber, pts.but(Q=None))
         A = turn(_circle()[None], np.array([1.0, 0.0, 0.0]), r[:, None])
         return np.ascontiguousarray(A), _shares(self, pts)
 

@@ -1,4 +1,4 @@
-"""What starting costs: help, a one-element model with and without the extension, and a whole suite of models.
+"""What starting costs: help, one-element models with and without the extension, of few and of many steps; a suite.
 
     python tests/benchmarks/startup.py [--repeat 5] [--cold] [--suite FOLDER]
 
@@ -39,6 +39,17 @@ MODEL = f"""<?xml version="1.0"?>
 </febio_spec>
 """
 
+# one element of an artery's wall, stretched twice and let go over 204 steps, three iterations each
+STRETCHED = (
+    MODEL.replace("<time_steps>10</time_steps><step_size>0.1</step_size>", f"""
+<time_steps>204</time_steps><step_size>{1 / 204}</step_size>
+<solver type="solid"><dtol>1e-5</dtol><etol>1e-4</etol></solver>""")
+    .replace('type="neo-Hookean"><E>1</E><v>0.3</v>', """type="Holzapfel-Gasser-Ogden">
+<c>7.64</c><k1>996.6</k1><k2>524.6</k2><kappa>0.226</kappa><gamma>49.98</gamma><k>7640</k>""")
+    .replace("<pt>0,0</pt><pt>1,1</pt>", "<pt>0,0</pt><pt>.25,1</pt><pt>.5,0</pt><pt>.75,1</pt><pt>1,0</pt>")
+    .replace("0.2</value>", "0.1</value>")
+)
+
 
 def seconds(args: list[str], environment: dict[str, str] | None = None) -> tuple[float, float, int]:
     """Wall seconds, processor seconds and exit code of one process."""
@@ -77,6 +88,9 @@ def table(repeat: int, cold: bool) -> None:
         seconds(run)
         line("one element", *best(run, repeat))
         line("one element, kernels called by ctypes", *best(run, repeat, {"FEBKIT_NATIVE": "0"}))
+        model.write_text(STRETCHED)
+        seconds(run)
+        line("one element over 204 steps", *best(run, repeat))
 
 
 def suite(folder: Path) -> None:
