@@ -17,7 +17,7 @@ from .clock import Clock
 from .convergence import Convergence, Iteration, Norm, NotConverged
 from .finite import NotFinite, blame, node, whole
 from .guarded import Guarded
-from .inverse import Inverse
+from .inverse import FRESH, REFINED, Inverse, Use
 from .kept import Kept
 from .linear.base import LinearError, LinearSolver, Matrix
 from .loop import Loop
@@ -66,16 +66,18 @@ class Newton:
     """Solves time steps of one system; keeps the factored tangent between them.
 
     ``usual``, ``fresh`` and ``guarded`` are its strategies: the first leans on factorisations of earlier steps where
-    these are kept (``reuse``), the second makes one of its own.
+    ``use`` says so, the second makes one of its own.
     """
 
     def __init__(
         self, system: System, make_solver: Callable[[], LinearSolver], watch: Callable[[Iteration], None],
-        clock: Clock | None = None, reuse: bool = False, options: NewtonOptions | None = None,
+        clock: Clock | None = None, use: Use = FRESH, options: NewtonOptions | None = None,
     ) -> None:  # fmt: skip
         self.system, self.watch, self.clock = system, watch, clock or Clock()
-        self.inverse = Inverse(make_solver, self.clock)
         self.options = options or system.step.newton
+        layout, column = system.layout, system.eqs.column[system.eqs.rows]
+        fields = [layout.equations(f, column) for f in layout.normed] if layout.mixed else []
+        self.inverse = Inverse(make_solver, self.clock, REFINED if use.leans and self.full else use, fields)
         self.convergence = Convergence(system, self.options)
         self.rows, self.given = system.eqs.rows, system.eqs.given
         self.total = system.gather(system.state.d).copy()
@@ -87,8 +89,7 @@ class Newton:
         self.before_augment: Callable[[], None] = lambda: None  # told of solutions whose multipliers are renewed next
         self.fresh: Strategy = Loop(self)
         self.usual: Strategy = self.fresh
-        self.reuse = reuse and not self.full
-        if self.reuse:
+        if self.leans:
             self.usual, self.fresh = Kept(self, leans=True), Kept(self, leans=False)
         self.guarded: Strategy = Guarded(self)
         self.arc: Along | None = None
@@ -98,6 +99,11 @@ class Newton:
     def full(self) -> bool:
         """Is the tangent renewed in every iteration?"""
         return self.options.full
+
+    @property
+    def leans(self) -> bool:
+        """Do steps lean on factorisations of earlier ones?"""
+        return self.inverse.use.leans
 
     def follow(self, path: Along) -> None:
         """Solve all steps so."""
@@ -130,7 +136,7 @@ class Newton:
         if limited and self.count.reforms >= self.options.max_reforms:
             raise NotConverged(f"the most stiffness reformations ({self.options.max_reforms}) were reached")
         dt = self.system.state.dt
-        if A.n and not (self.reuse and self.inverse.approach(A, dt)):
+        if A.n and not self.inverse.approach(A, dt):
             self.inverse.factorise(A, dt)
         self.count.reforms += 1
 

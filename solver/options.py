@@ -17,9 +17,10 @@ class Options:
     iterative (:mod:`.linear.iterative`).
 
     memory: GB that a factorisation may take before "auto" turns to iterative; 0, what the machine has left.
-    factor: "fresh" renews the factorisation where FEBio does; "reuse" keeps it over time steps as long as
-    it serves; "auto" reuses in large transient biphasic runs with automatic steps and states saved at must points
-    (so that no saved time depends on iteration counts).
+    factor: "fresh" renews the factorisation where FEBio does; "reuse" lets time steps lean on earlier ones as long as
+    these serve; "auto" does so in large transient biphasic runs with automatic steps and states saved at must points
+    (so that no saved time depends on iteration counts), and lets factorisations serve later tangents of other large
+    models as far as iterations stay what they are (:mod:`.route`).
     accuracy: relative error per step of second-order steps of their own size (:mod:`.second_order`), for transient
     runs with a fluid; 0, the file's steps.
     tolerance: relative increment of every field at which iterations may end, where the file's is larger; 0, the file's.

@@ -1,10 +1,12 @@
-"""Which linear solver an analysis gets, and whether its factorisations are kept over time steps."""
+"""Which linear solver an analysis gets, and what is made of its factorisations."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .inverse import FRESH, LEANING, REFINED, Use
 from .linear.base import Direct, LinearError, LinearSolver
 from .linear.choose import choose
 from .problem import TRANSIENT
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from .system import System
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
+CONTACT_EQUATIONS = 20_000  # the same with contact: on coarse surfaces rounding may decide which facet a node meets
 LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
 
@@ -24,21 +27,21 @@ class Route:
         self.system, self.options, self.threads = system, options, threads
         self.rows = len(system.eqs.rows)
 
-    def decide(self) -> tuple[Callable[[], LinearSolver], bool]:
-        """What makes linear solvers, and whether factorisations are kept; "auto" tries whether one fits in memory.
+    def decide(self) -> tuple[Callable[[], LinearSolver], Use]:
+        """What makes linear solvers, and the use of factorisations; "auto" tries whether one fits in memory.
 
         Raises LinearError where none does and the iterative solver cannot stand in.
         """
-        name, reuse = self.options.linear, self.keeps()
-        first = self.solver(name, reuse)
+        name, use = self.options.linear, self.use()
+        first = self.solver(name, use.single)
         tried = self.rows >= LARGE or self.options.memory > 0.0
         if name == "auto" and tried and isinstance(first, Direct):
             left, need = self._room(), first.memory(self.system.matrix)
             if need > left:
                 first.close()
-                name, reuse, first = "iterative", False, self._in_its_place(need, left)
+                name, use, first = "iterative", FRESH, self._in_its_place(need, left)
         spare = [first]
-        return lambda: spare.pop() if spare else self.solver(name, reuse), reuse
+        return lambda: spare.pop() if spare else self.solver(name, use.single), use
 
     def solver(self, name: str, single: bool = False) -> LinearSolver:
         """A solver for the system; ``single``: its factor may be of single precision."""
@@ -49,17 +52,23 @@ class Route:
             known = unknowns(self.system)
         return choose(name, self.rows, self.threads, single, known, self.system.mixed, bool(self.system.contacts))
 
-    def keeps(self) -> bool:
-        """Is a factorisation kept over time steps?"""
-        o, step = self.options, self.system.step
-        if o.linear == "iterative":
-            return False  # there is no factorisation to keep
-        if o.factor != "auto":
-            return o.factor == "reuse"
+    def use(self) -> Use:
+        """What is made of factorisations."""
+        o, system = self.options, self.system
+        if o.linear == "iterative" or o.factor == "fresh":
+            return FRESH  # where there is one at all
+        if o.factor == "reuse":
+            return LEANING
+        if self.rows < (CONTACT_EQUATIONS if system.contacts else REUSE_EQUATIONS):
+            return FRESH
+        step = system.step
         pinned = step.auto is not None or o.accuracy > 0.0
         pinned = pinned and step.saving.level != "PLOT_MAJOR_ITRS"
-        transient = self.system.problem.diffuses and step.analysis == TRANSIENT and not self.system.contacts
-        return pinned and transient and self.rows >= REUSE_EQUATIONS
+        transient = system.problem.diffuses and step.analysis == TRANSIENT
+        if pinned and transient and not system.contacts:
+            return LEANING
+        thin = any(g.shell for g in system.groups)  # whose bending single precision does not resolve
+        return replace(REFINED, single=not thin)
 
     def _room(self) -> float:
         """Bytes that a factorisation may take."""

@@ -292,9 +292,9 @@ class Run:
             self.problem, self.step, self.groups, self.state, self.schedule, self.bodies, self._graph
         )
         route = Route(self.system, self.options, self.team.n)
-        make, reuse = route.decide()
+        make, use = route.decide()
         watch = lambda it: self.tell("iteration", it)  # noqa: E731
-        rest = make, watch, self.clock, reuse, self._newton_options()
+        rest = make, watch, self.clock, use, self._newton_options()
         if self.step.explicit is None:
             self.newton = Newton(self.system, *rest)
             if self.step.newton.arc_length:
@@ -309,7 +309,7 @@ class Run:
             from .explicit import Explicit
 
             self.newton = Explicit(self.system, self.step.explicit, *rest)
-        self.newton.inverse.remembers, self.newton.inverse.serves = self.remembers, reuse
+        self.newton.inverse.remembers = self.remembers
         plain = self.newton.options.descent
         self.totals.linear_solver = f"none ({plain})" if plain else self.newton.inverse.solver.name
         return route

@@ -61,7 +61,7 @@ class Variation(Run):
         self.grown = np.zeros(len(self.newton.rows))
         layout, column = self.system.layout, self.system.eqs.column[self.newton.rows]
         fields = [layout.equations(f, column) for f in layout.normed]
-        self._forecast = Forecast(fields, len(self.grown), learns=self.base.newton.reuse)  # else it would not pay
+        self._forecast = Forecast(fields, len(self.grown), learns=self.base.newton.leans)  # else it would not pay
         self._worn: list[tuple[int, float, float]] = []
         remembers = any(g.physics.recalls or g.new.shape[1] for g in self.groups)
         turns = self.bodies is not None or self.system.rotations is not None

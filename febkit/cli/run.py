@@ -63,7 +63,7 @@ def _often(ctx: click.Context, option: click.Parameter, text: str) -> str:
 @click.option("--memory", type=NOT_NEGATIVE, default=0.0, show_default="what is left", metavar="GB",
               help="What a factorisation may take before auto turns to iterative.")
 @click.option("--factor", default="auto", show_default=True, type=click.Choice(["auto", "fresh", "reuse"]),
-              help="Keep factorisations over time steps, or renew them where FEBio does.")
+              help="Lean on factorisations of earlier steps, or renew them where FEBio does.")
 @click.option("--accuracy", type=Finite(0.0, 0.1), default=0.0, show_default="the file's steps",
               help="Steps of second order and of their own size, of this relative error each (transient, with fluids).")
 @click.option("--tolerance", type=Finite(0.0, 0.1), default=0.0, show_default="the file's dtol, ptol, ctol",

@@ -76,6 +76,12 @@ class LinearSolver(Protocol):
     def close(self) -> None: ...
 
 
+class Precise(LinearSolver, Protocol):
+    """A solver whose factors may be of single precision."""
+
+    single: bool
+
+
 @runtime_checkable
 class Direct(LinearSolver, Protocol):
     """A solver that knows before it factorises how many bytes that will take."""

@@ -4,13 +4,16 @@ right-hand sides."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..kernels.sparse import multiply
 from ..vectors import dot, norm
 from .base import Floats, Matrix
+
+Ints = NDArray[np.int64]
 
 
 def matvec(A: Matrix, x: Floats) -> Floats:
@@ -76,24 +79,31 @@ class Recycled:
     Generalised conjugate residuals (Eisenstat, Elman and Schultz, SIAM J Numer Anal 20, 1983): for each direction p
     there is q = M^-1 A p, all q orthonormal, so that x = sum (q . r) p leaves the least M^-1 (b - A x) of all x that
     the directions can make. Earlier systems' come first, at an inner product each; a new one costs a product with
-    A and a solve with M. ``keep`` bounds memory: the oldest go.
+    A and a solve with M. ``keep`` bounds memory: the oldest go. ``fields``: the unknowns of each field, all of which
+    count as the first M^-1 b has made them; none: each unknown counts as it is.
     """
 
-    def __init__(self, A: Matrix, precondition: Callable[[Floats], Floats], keep: int = 30) -> None:
-        self.A, self.precondition, self.keep = A, precondition, keep
+    def __init__(
+        self, A: Matrix, precondition: Callable[[Floats], Floats], keep: int = 30, fields: Sequence[Ints] = ()
+    ) -> None:  # fmt: skip
+        self.A, self.precondition, self.keep, self.fields = A, precondition, keep, fields
+        self._scale: Floats | None = None  # of each unknown
         self._pairs: list[tuple[Floats, Floats]] = []
         self.solves = 0  # with M
 
     def solve(self, b: Floats, tolerance: float, most: int) -> tuple[Floats, float]:
         """x, and |M^-1 (b - A x)| / |M^-1 b|; it is inf where numbers are too large. ``most``: new directions."""
-        x, r = np.zeros_like(b), self.precondition(b)
+        x, r = np.zeros_like(b), self.precondition(b).copy()
         self.solves += 1
+        if self._scale is None and len(self.fields) > 1:
+            self._scale = weights(r, self.fields)
+        if self._scale is not None:
+            r *= self._scale
         first = error = norm(r)
         if first == 0.0:
             return x, 0.0
         if not np.isfinite(first):
             return r, np.inf
-        r = r.copy()
         for p, q in self._pairs:
             self._step(p, q, x, r)
         error = norm(r)
@@ -105,7 +115,7 @@ class Recycled:
                 return x, np.inf
             self._step(*pair, x, r)
             error = norm(r)
-        return x, error / first
+        return x if self._scale is None else x / self._scale, error / first
 
     @staticmethod
     def _step(p: Floats, q: Floats, x: Floats, r: Floats) -> None:
@@ -115,7 +125,11 @@ class Recycled:
 
     def _extend(self, r: Floats) -> tuple[Floats, Floats] | None:
         """A direction along r; None where it leads nowhere."""
-        p, q = r.copy(), self.precondition(matvec(self.A, r))
+        p = r.copy()
+        if self._scale is None:
+            q = self.precondition(matvec(self.A, r))
+        else:
+            q = self._scale * self.precondition(matvec(self.A, r / self._scale))
         self.solves += 1
         for a, b in self._pairs:
             c = dot(b, q)
@@ -128,6 +142,16 @@ class Recycled:
         q /= size
         self._pairs = [*self._pairs[1 - self.keep :], (p, q)]
         return p, q
+
+
+def weights(x: Floats, fields: Sequence[Ints]) -> Floats:
+    """One over the norm of each unknown's field in x; 1 where there is none."""
+    w = np.ones_like(x)
+    for own in fields:
+        size = norm(x[own])
+        if 0.0 < size < np.inf:
+            w[own] = 1.0 / size
+    return w
 
 
 def fgmres(

@@ -148,7 +148,6 @@ def test_a_factorisation_tires():
 
 
 def test_dear_factorisations_serve_other_tangents(monkeypatch):
-    monkeypatch.setattr(inverse, "DEAR", 0.0)
     monkeypatch.setattr(inverse.Inverse, "ratio", property(lambda self: 60.0))
     fresh = run(relaxing(), options=Options(threads=1, factor="fresh"))
     kept = run(relaxing(), options=Options(threads=1, factor="reuse"))
