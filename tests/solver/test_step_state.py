@@ -167,9 +167,11 @@ KEPT: dict[str, tuple[Callable[[], Problem], Options, int]] = {
     **{name: (make, Options(threads=1), 2) for name, make in SCENES.items()},
     "second step of a relative load": (pulled, Options(threads=1), 6),
     "kept factorisation": (leaning, Options(threads=1, factor="reuse", linear="pardiso"), 17),
-    "earlier tangent": (lambda: pressed(NeoHookean(3.0, 0.3), newton=FULL), Options(threads=1, factor="reuse", linear="pardiso"), 2),
+    "earlier tangent": (
+        lambda: pressed(NeoHookean(3.0, 0.3), newton=FULL), Options(threads=1, factor="reuse", linear="pardiso"), 2
+    ),
     "error steps": (SCENES["fluid"], Options(threads=1, accuracy=1e-3), 5),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", KEPT)
