@@ -59,7 +59,8 @@ class Route:
             return FRESH  # where there is one at all
         if o.factor == "reuse":
             return LEANING
-        if self.rows < (CONTACT_EQUATIONS if system.contacts else REUSE_EQUATIONS):
+        meets = bool(system.contacts) or any(load.meets for load in system.loads)
+        if self.rows < (CONTACT_EQUATIONS if meets else REUSE_EQUATIONS):
             return FRESH
         step = system.step
         pinned = step.auto is not None or o.accuracy > 0.0

@@ -6,7 +6,7 @@ FEBio user manual, "Rigid wall".
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -30,6 +30,7 @@ class RigidWall(Action):
     become max(0, lambda + eps g) until their norm changes by less than ``tolerance`` of itself.
     """
 
+    meets: ClassVar[bool] = True
     surface: tuple[Patch, ...]
     plane: tuple[Value, Value, Value, Value]
     penalty: Number = 0.0

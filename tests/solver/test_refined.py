@@ -1,4 +1,4 @@
-"""Factorisations of single precision, and those of earlier tangents, leave Newton's iterations as exact ones make them."""
+"""Factorisations of single precision, and those of earlier tangents, leave Newton's iterations as they are."""
 
 from __future__ import annotations
 
