@@ -25,7 +25,7 @@ NOWHERE = np.zeros(0, np.int64)
 class Action:
     """``alpha``: weight of the step's end in forces taken within it; ``steady``: the analysis is a steady state. The
     system of an analysis step sets both. ``retraces``: where a step ends does not depend on how its iterations went, so
-    that it can be differentiated (:mod:`.sensitivity`). ``meets``: a load that acts where
+    that it can be differentiated (:mod:`.sensitivity`). ``touches``: a load that acts where
     nodes come to a surface, and ceases where they leave it, as contacts do.
 
     A load has ``residual(state, R)``; a body load has the groups it may act on besides, and a contact is updated
@@ -35,7 +35,7 @@ class Action:
     alpha: float = 1.0
     steady: bool = False
     retraces: ClassVar[bool] = True
-    meets: ClassVar[bool] = False
+    touches: ClassVar[bool] = False
 
     @property
     def symmetric(self) -> bool:

@@ -59,8 +59,8 @@ class Route:
             return FRESH  # where there is one at all
         if o.factor == "reuse":
             return LEANING
-        meets = bool(system.contacts) or any(load.meets for load in system.loads)
-        if self.rows < (CONTACT_EQUATIONS if meets else REUSE_EQUATIONS):
+        touches = bool(system.contacts) or any(load.touches for load in system.loads)
+        if self.rows < (CONTACT_EQUATIONS if touches else REUSE_EQUATIONS):
             return FRESH
         step = system.step
         pinned = step.auto is not None or o.accuracy > 0.0

@@ -30,7 +30,7 @@ class RigidWall(Action):
     become max(0, lambda + eps g) until their norm changes by less than ``tolerance`` of itself.
     """
 
-    meets: ClassVar[bool] = True
+    touches: ClassVar[bool] = True
     surface: tuple[Patch, ...]
     plane: tuple[Value, Value, Value, Value]
     penalty: Number = 0.0
