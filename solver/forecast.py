@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels.vectors import add
 from .vectors import norm
 
 Floats = NDArray[np.float64]
@@ -62,7 +63,7 @@ class Forecast:
         self._led = mean, [trend, beside, bend]
         out = mean.copy()
         for c, term in zip(np.linalg.lstsq(self._G, self._b, rcond=1e-10)[0], self._led[1]):
-            out += c * term
+            add(float(c), term, out)
         return out
 
     def learn(self, dt: float, x: Floats) -> None:
@@ -71,7 +72,8 @@ class Forecast:
             self._G, self._b = FADE * self._G, FADE * self._b
             mean, terms = self._led
             for f in self._some:
-                T, y, grown = np.array([q[f] for q in terms]), (x - mean)[f], norm(self._past.steps[-1][1][f])
+                T, y = np.array([q.take(f) for q in terms]), x.take(f) - mean.take(f)
+                grown = norm(self._past.steps[-1][1].take(f))
                 if grown > 0.0:
                     w = 1.0 / grown**2
                     self._G += w * np.einsum("ir,jr->ij", T, T)

@@ -44,11 +44,12 @@ class NegativeJacobian(ElementFailure):
 
 @variable_record
 class Chunk:
-    """Elements lo:hi of a block, and their points."""
+    """Elements lo:hi of a group, their points, and which of the group's chunks it is."""
 
     lo: int
     hi: int
     points: Points
+    number: int
 
 
 class Group:
@@ -120,7 +121,7 @@ class Group:
     def _cut(self) -> list[Chunk]:
         """Chunks of elements that are there."""
         F, J, g, Q = self.F.reshape(-1, 3, 3), self.J.reshape(-1), self.g, self._axes()
-        out = []
+        out: list[Chunk] = []
         for first, end in self._runs():
             pieces = max(1, -(-(end - first) // self._size))
             for i in range(pieces):
@@ -129,7 +130,7 @@ class Group:
                 pts = Points(F[q], J[q], self.Xg[q], np.repeat(np.arange(lo, hi), g))
                 pts.Q = None if Q is None else np.ascontiguousarray(Q[q])
                 pts.extra = {k: v[q] for k, v in self.extra.items()}
-                out.append(Chunk(lo, hi, pts))
+                out.append(Chunk(lo, hi, pts, len(out)))
         return out
 
     def _runs(self) -> list[tuple[int, int]]:

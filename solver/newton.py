@@ -196,9 +196,9 @@ class Newton:
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
         out = self.system.targets(self.system.state.time)
-        bad = self.system.eqs.is_given & ~np.isfinite(out)
-        if bad.any():
-            row, column = (int(i) for i in np.argwhere(bad)[0])
+        eqs = self.system.eqs
+        if not whole(out.take(eqs.given_places)):
+            row, column = (int(i) for i in np.argwhere(eqs.is_given & ~np.isfinite(out))[0])
             where = node(self.system.problem, row)
             raise NotFinite(f"the {self.system.layout.label(column)} prescribed on {where} is {out[row, column]:g}")
         return out

@@ -6,10 +6,12 @@ to U, where it leaves the residual R(U), the variations go to U' where R'(U') = 
     K x = -(dR/dtheta + dR/dU_n x_n + dR/dh_n y_n) + O(delta),
 
 y_n derivatives of histories h_n: all derivatives of R and of the laws' updates are differences along the directions
-that are needed. The factorisation that Newton's last iteration leaves stands in for K^-1, for all parameters at once;
-multisecant corrections as in :class:`.quasi_newton.Anderson`, of pairs that all parameters share, make good for what
-it is not. They end where the error that is expected of the last one is small: by what one of its kind left in the last
-step that took two. Step sizes are the run's: they have no derivatives.
+that are needed; what nodal values do to elements whose tangent is the derivative of their forces is had of that, for
+all variations in one pass over the run's own elements (:mod:`.beside`). The factorisation that Newton's last iteration
+leaves stands in for K^-1, for all parameters at once; multisecant corrections as in :class:`.quasi_newton.Anderson`, of
+pairs that all parameters share, make good for what it is not. They end where the error that is expected of the last one
+is small: by what one of its kind left in the last step that took two. Step sizes are the run's: they have no
+derivatives.
 """
 
 from __future__ import annotations
@@ -22,9 +24,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .finite import NotFinite
+from .beside import Beside
+from .finite import NotFinite, whole
 from .forecast import Past
 from .group import ElementFailure
+from .kernels.vectors import add
 from .linear.base import LinearError, LinearSolver
 from .linear.pardiso import Pardiso
 from .newton import Counts
@@ -43,6 +47,7 @@ NOISE = 1e-14  # of positions and other unknowns, as large as they were: what is
 HIDDEN = 1e-12  # of them: changes within it are too rough to learn from
 JUMP = 1e-4  # of them, in a variation: its parameter makes it jump
 LOST = 1e-3  # relative error from which a derivative is given up
+FAILURES = (ElementFailure, NotFinite, LinearError, ArithmeticError)
 
 
 def refusal(problem: Problem) -> str:
@@ -113,9 +118,11 @@ class Sensitivities(Listener):
 
     def begin_analysis(self, run: Run) -> None:
         self.steps.append([])
+        assert run.system is not None
+        self._beside = Beside(run)
         for v in self.live:
             v.enter()
-        assert run.system is not None
+            v.beside = self._beside.serves(v)
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))
@@ -159,11 +166,16 @@ class Sensitivities(Listener):
         """Why there are no derivatives by parameter k, in a sentence."""
         return next((v.lost for v in self.runs[k] if v.lost), "")
 
-    def ends(self, k: int) -> tuple[Run, Run, float]:
-        """Two runs that differ in parameter k alone, and by how much; brought up to date."""
+    def ends(self, k: int, nodal: bool = False) -> tuple[Run, Run, float]:
+        """Two runs that differ in parameter k alone, and by how much; brought up to date, ``nodal``: values and
+        reactions of nodes at least."""
         v, *other = self.runs[k]
+        late = [q for q in self.live if q.behind and not q.reacted] if nodal else []
+        if late:
+            self._beside.reactions(late)
         for q in (v, *other):
-            q.show()
+            if not (nodal and q.behind):
+                q.show()
         return (v, other[0], v.delta - other[0].delta) if other else (v, v.base, v.delta)
 
     def of(self, k: int, value: Callable[[Run], Any]) -> Floats:
@@ -194,12 +206,12 @@ class Sensitivities(Listener):
         R, U, inverse = run.newton.left[run.newton.rows], _unknowns(run), run.newton.inverse
         fresh, self._made = inverse.made != self._made, inverse.made
         # the largest so far: where a pressure fades, the rounding that other fields bring into it does not
-        self._sizes = np.maximum(self._sizes, [norm(U[own]) for own in self._fields])
+        self._sizes = np.maximum(self._sizes, [norm(U.take(own)) for own in self._fields])
         self._far = norm(U)
         pairs = _Pairs(U, self._fields)
         active = {v: _Search(v, v.usual if fresh else v.worn(inverse.made)) for v in self.live}
         for _ in range(MOST):
-            found = _differences(active, R, first)
+            found = self._differences(active, R, first)
             self.passes += len(found)
             active = {v: active[v] for v in found}
             for s, y in zip(active.values(), solve_all(inverse.solver, np.array(list(found.values())))):
@@ -220,13 +232,42 @@ class Sensitivities(Listener):
             if s.left[-1] > LOST:
                 v.lost = f"its equations are not solved to better than {s.left[-1]:.2g}, at time {v.state.time:g}"
         _each(self.live, Variation.stay)
+        own = [v for v in self.live if v.beside and v.light]
+        if own:
+            self._beside.volumes(own)
+
+    def _differences(
+        self, active: dict[Variation, _Search], R: Floats, first: Callable[[Variation], None]
+    ) -> dict[Variation, Any]:  # fmt: skip
+        """Of residuals from R (row,), over what parameters differ by; at the first look once ``first`` is done."""
+        begins = {v: None if s.left else first for v, s in active.items()}
+        out = _each((v for v in active if not v.beside), lambda v: (v.look(begins[v]) - R) / v.delta)
+        new = any(begins.values()) or self._beside.loaded
+        some = _each((v for v in active if v.beside), (lambda v: v.place(begins[v])) if new else Variation.take)
+        for v, r in self._passed(list(some), new).items():
+            if whole(r):
+                out[v] = r / v.delta
+            else:
+                v.lost = f"a force is not finite, at time {v.state.time:g}"
+        return out
+
+    def _passed(self, some: list[Variation], new: bool) -> dict[Variation, Floats]:
+        """What is had beside the run; where a law fails, of each alone."""
+        if not some:
+            return {}
+        if not new:
+            return dict(zip(some, self._beside.next(some)))
+        try:
+            return dict(zip(some, self._beside.first(some)))
+        except FAILURES:
+            return _each(some, lambda v: self._beside.first([v])[0])
 
     def _weights(self, v: Variation, y: Floats) -> tuple[list[float], float]:
         """Of each field, what makes the norm of a correction relative; that of y."""
         x, least = v.grown + v.x + y, NOISE / self.tolerance / abs(v.delta)
-        sizes = [max(norm(x[own]), least * whole) for own, whole in zip(self._fields, self._sizes)]
+        sizes = [max(norm(x.take(own)), least * whole) for own, whole in zip(self._fields, self._sizes)]
         w = [1.0 / size if size > 0.0 else 0.0 for size in sizes]
-        return w, hypot(*(c * norm(y[own]) for c, own in zip(w, self._fields)))
+        return w, hypot(*(c * norm(y.take(own)) for c, own in zip(w, self._fields)))
 
 
 class _Pairs:
@@ -235,7 +276,7 @@ class _Pairs:
 
     def __init__(self, U: Floats, fields: list[NDArray[np.int64]]) -> None:
         self._fields, self._count = fields, 0
-        self._sizes = [norm(U[own]) for own in fields]
+        self._sizes = [norm(U.take(own)) for own in fields]
         self._more: list[Floats] = []  # d - Z
         self._Z: list[list[Floats]] = []  # of each field
         self._products = np.zeros((len(fields), PAIRS, PAIRS))  # Z Z^T
@@ -243,14 +284,14 @@ class _Pairs:
     def add(self, d: Floats, Z: Floats, delta: float) -> None:
         k = self._count % PAIRS
         self._more[k:] = [delta * (d - Z), *self._more[k + 1 :]]
-        self._Z[k:] = [[delta * Z[own] for own in self._fields], *self._Z[k + 1 :]]
+        self._Z[k:] = [[delta * Z.take(own) for own in self._fields], *self._Z[k + 1 :]]
         self._count += 1
         for products, new, *others in zip(self._products, self._Z[k], *self._Z):
             products[k, : len(others)] = products[: len(others), k] = [dot(new, z) for z in others]
 
     def corrected(self, y: Floats, w: list[float]) -> Floats:
         """y + sum g_i (d_i - Z_i), g the least-squares solution of w Z g = w y but for what rounding hides."""
-        k, parts = len(self._Z), [y[own] for own in self._fields]
+        k, parts = len(self._Z), [y.take(own) for own in self._fields]
         if not k:
             return y
         hidden = HIDDEN**2 * sum((c * size) ** 2 for c, size in zip(w, self._sizes))
@@ -260,7 +301,7 @@ class _Pairs:
         g = V[:, sound] @ (b[sound] / square[sound])
         out = y.copy()
         for c, more in zip(g, self._more):
-            out += c * more
+            add(c, more, out)
         return out
 
 
@@ -279,16 +320,9 @@ def _each(runs: Any, do: Callable[[Variation], Any]) -> dict[Variation, Any]:
     for v in runs:
         try:
             out[v] = do(v)
-        except (ElementFailure, NotFinite, LinearError, ArithmeticError) as e:
+        except FAILURES as e:
             v.lost = f"{e}, at time {v.state.time:g}"
     return out
-
-
-def _differences(
-    active: dict[Variation, _Search], R: Floats, first: Callable[[Variation], None]
-) -> dict[Variation, Any]:  # fmt: skip
-    """Of residuals from R (row,), over what parameters differ by; at the first look once ``first`` is done."""
-    return _each(active, lambda v: (v.look(None if active[v].left else first) - R) / v.delta)
 
 
 def solve_all(solver: LinearSolver, B: Floats) -> Floats:

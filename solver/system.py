@@ -222,7 +222,7 @@ class System:
             elif isinstance(c, Prescribed):
                 v = c.value(t, self.state.X[c.nodes], np.arange(len(c.nodes)))
                 out[c.nodes, c.column] = v if start is None else v + start
-        out[~self.eqs.is_given] = np.nan
+        np.copyto(out, np.nan, where=self.eqs.not_given)
         return out
 
     def gather(self, nodal: Floats) -> Floats:
@@ -232,7 +232,7 @@ class System:
 
     def spread(self, vector: Floats, into: Floats) -> None:
         """Write the free entries of an equation vector to a nodal array."""
-        into[self.eqs.is_free] = vector[self.eqs.rows]
+        vectors.put(self.eqs.free_places, self.eqs.rows, vector, into.reshape(-1))
 
     # ---- state ------------------------------------------------------------------------------------
     def set(self, total: Floats, increment: Floats, u: Floats, target: Floats) -> None:
@@ -301,7 +301,8 @@ class System:
                 (1 - self.gamma) * s.acceleration_old + self.gamma * s.acceleration
             )
         elif s.layout.mixed and s.dt > 0:
-            s.velocity = (s.u - s.u_old) / s.dt
+            s.velocity = np.zeros(s.velocity.shape)
+            vectors.rates(s.d, s.d_old, s.layout.displacement, s.dt, s.velocity)
         if self.bodies is not None:
             self.bodies.rates(s, self)
         if self.rotations is not None and self.dynamic:

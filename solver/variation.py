@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .alike import alike
 from .forecast import Forecast
+from .group import Group
+from .kernels.vectors import put_sum
 from .newton import Counts, Newton
 from .problem import Problem
 from .route import Route
@@ -28,6 +31,11 @@ class Variation(Run):
     are derivatives of what the free unknowns grow by in the present step, ``grown`` of what they grew by before it in
     the present analysis step. ``lost``: why it does not go on, in a sentence; ``usual``: what a correction by a
     factorisation of the step's own leaves of an error.
+
+    Where its elements' forces are had beside the base's (``beside``: :mod:`.beside`), its own elements follow at the
+    end of a step, or once they are asked for. Group by group, ``differs``: are stresses and other laws not the base's;
+    ``swelled``: by how much relative volumes (m, g) differ from the base's as the step begins, ``swells``: as it ends;
+    ``inner``: by how much forces of all elements (node, column) do; ``reacted``: reactions are those of the step's end.
     """
 
     def __init__(self, problem: Problem, delta: float, base: Run) -> None:
@@ -35,6 +43,9 @@ class Variation(Run):
         self.base, self.delta, self.team = base, delta, base.team
         self.lost, self.usual = "", 1.0
         self._waits: tuple[Floats, ...] = ()  # how to place the state where the last step ended
+        self.beside = self.reacted = False
+        self.x = np.zeros(0)
+        self.inner = np.zeros_like(self.state.d)
 
     def _set_up(self) -> None:
         super()._set_up()
@@ -51,6 +62,7 @@ class Variation(Run):
 
     def enter(self) -> None:
         """Begin the analysis step that the base has begun."""
+        self._renew()
         self.index = self.base.index
         self.lost = self._enter()
         if self.lost:
@@ -65,7 +77,10 @@ class Variation(Run):
         self._worn: list[tuple[int, float, float]] = []
         remembers = any(g.physics.recalls or g.new.shape[1] for g in self.groups)
         turns = self.bodies is not None or self.system.rotations is not None
-        self._light = not (remembers or turns or self.system.contacts or self.system.following)
+        self.light = not (remembers or turns or self.system.contacts or self.system.following)
+        pairs = list(zip(self.groups, self.base.groups))
+        self.differs = [_differs(a, b) for a, b in pairs]
+        self.swells = [a.J - b.J for a, b in pairs]
 
     @property
     def acting(self) -> list[Part]:
@@ -76,15 +91,16 @@ class Variation(Run):
         """Begin the time step that the base has taken; the first place to look is where :mod:`.forecast` has it."""
         system, n, base = self.system, self.newton, self.base
         assert system is not None and base.system is not None
-        if self._waits:
+        if self._waits and not self.beside:
             system.place(*self._waits)
-            self._waits = ()
             for g in (g for g in self.groups if g.deforms):
                 g.deform(self.state.u, g.F, g.J)
+        self._waits = ()
         self.state.time, self.state.dt = base.state.time, base.state.dt
         self._prepare()
         n.count = Counts()
         n.aim()
+        self.swelled, self.swells = self._swelled(), list(self.swells)
         if system.contacts:
             system.update()
             for own, led in zip(system.contacts, base.system.contacts):
@@ -97,7 +113,7 @@ class Variation(Run):
         assert self.system is not None and self.base.system is not None
         self.newton.increment = np.zeros_like(self.newton.total)
         self.system.progress.iterations = self.base.system.progress.iterations
-        self._head(self._last)
+        self._head(self.x)
 
     def worn(self, made: int) -> float:
         """What a correction by an old factorisation, one of ``made``, may leave of an error in the present step."""
@@ -112,56 +128,99 @@ class Variation(Run):
         self._worn = [*self._worn[-3:], (made, self.state.dt, rate)]  # steps alternate between long ones and short ones
 
     def _head(self, x: Floats) -> None:
-        self._ahead = self.base.newton.increment.copy()
-        self._ahead[self.newton.rows] += self.delta * x
+        self.x, self.ahead = x.copy(), self.base.newton.increment.copy()
+        put_sum(self.newton.rows, self.ahead, self.delta, x, self.ahead)
 
     def correct(self, u: Floats) -> None:
         """Add u (row,) to x."""
-        self._ahead = np.zeros_like(self.newton.total)
-        self._ahead[self.newton.rows] = self.delta * u
+        self.x += u
+        self.ahead = np.zeros_like(self.newton.total)
+        put_sum(self.newton.rows, self.ahead, self.delta, u, self.ahead)
 
     def look(self, first: Callable[[Variation], None] | None = None) -> Floats:
         """Move as corrected, once ``first`` is done, whose arrays are in the cache then; the residual (row,)."""
         if first is not None:
             first(self)
-        self.newton.move(self._ahead)
-        self._take()
-        return np.asarray(self.newton.residual()[self.newton.rows])
+        self.newton.move(self.ahead)
+        self.take()
+        return self.newton.residual().take(self.newton.rows)
+
+    def place(self, first: Callable[[Variation], None] | None = None) -> None:
+        """Move nodal values as corrected, once ``first`` is done; elements stay as they are."""
+        if first is not None:
+            first(self)
+        self._place()
+        self.take()
 
     def stay(self) -> None:
         """Move as corrected, for good: once it is asked for, where steps begin from no more than a deformation."""
-        n = self.newton
-        if self._light:
-            self._waits = n.total, n.increment, self._ahead, n.target
-        else:
-            n.move(self._ahead)
-        self._take()
-        self._last = self.x
+        n, self.reacted = self.newton, False
+        if not self.light:
+            n.move(self.ahead)
+        elif self.beside:
+            self._place()
+        if self.light:
+            self._waits = n.total, n.increment, self.ahead, n.target
+        self.take()
+        if not self.beside:  # rotations are composed
+            self.x = (n.increment - self.base.newton.increment).take(n.rows) / self.delta
 
-    def _take(self) -> None:
+    def _place(self) -> None:
+        n = self.newton
         assert self.system is not None
-        self.newton.increment = self.system.compose(self.newton.increment, self._ahead)
-        self.system.settle()
+        self.system.place(n.total, n.increment, self.ahead, n.target)
 
-    @property
-    def x(self) -> Floats:
-        n = self.newton
-        return np.asarray((n.increment - self.base.newton.increment)[n.rows] / self.delta)
+    def take(self) -> None:
+        """The correction is part of what the step has grown by."""
+        assert self.system is not None
+        self.newton.increment = self.system.compose(self.newton.increment, self.ahead)
+        self.system.settle()
 
     def end(self) -> None:
         """The time step ends."""
-        self._forecast.learn(self.state.dt, self._last)
-        self.grown = self.grown + self._last
+        self._forecast.learn(self.state.dt, self.x)
+        self.grown = self.grown + self.x
         self.newton.finish()
 
     def show(self) -> None:
         """Bring all up to date with the end of the last step, stresses and reactions too."""
-        if self.system is None:  # no analysis step has begun
+        self._renew()
+        if self.system is not None:  # an analysis step has begun
+            self.system.residual()
+
+    @property
+    def behind(self) -> bool:
+        """Do nodal values alone stand where the last step ended, and may they serve as they are?"""
+        return self.beside and bool(self._waits)
+
+    def _renew(self) -> None:
+        """Bring elements up to date with the end of the last step."""
+        if not self._waits:
             return
-        if self._waits:
-            self.system.set(*self._waits)
-            self._waits = ()
-        self.system.residual()
+        assert self.system is not None
+        if self.beside:
+            for g, b, more in zip(self.groups, self.base.groups, self.swelled):
+                for (own, _), (of_base, _) in zip(g.physics.rates(), b.physics.rates()):
+                    own[...] = of_base + more
+        self.system.set(*self._waits)
+        self._waits = ()
+
+    def _swelled(self) -> list[Floats]:
+        """By how much relative volumes (m, g) differ from the base's where the present step began."""
+        if self.light:
+            return self.swells
+        out = []
+        for g, b in zip(self.groups, self.base.groups):
+            rates = zip(g.physics.rates(), b.physics.rates())
+            out.append(next((own - of_base for (own, _), (of_base, _) in rates), np.zeros_like(g.J)))
+        return out
+
+
+def _differs(a: Group, b: Group) -> tuple[bool, bool]:
+    """Are stresses of two groups, and what else their physics has, others at the same nodal values?"""
+    axes = not alike(a.block.axes, b.block.axes)
+    stress = axes or bool(a.new.shape[1]) or not alike(a.block.solid, b.block.solid)
+    return stress, axes or not alike(a.block.physics, b.block.physics)
 
 
 def _led(own: Any, other: Any, name: str = "") -> Any:

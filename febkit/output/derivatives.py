@@ -32,13 +32,15 @@ class Derivatives(Listener):
         self.buffer = Buffer()
         self.plot = PlotListener(model, self.buffer, lambda _: None)
         self._views: dict[Run, plot.View] = {}
+        self._nodal = all(asked.name in plot.NODAL for asked, _ in self.plot.asked)
 
     def save(self, run: Run, status: int) -> None:
         if not self.sensitivities.varied:
             return
         base = self._values(run)
         for k in range(len(self.sensitivities.varied)):
-            high, low, delta = (run, run, 1.0) if self.sensitivities.lost(k) else self.sensitivities.ends(k)
+            lost = self.sensitivities.lost(k)
+            high, low, delta = (run, run, 1.0) if lost else self.sensitivities.ends(k, self._nodal)
             a, b = (base if r is run else self._values(r) for r in (high, low))
             self.plot.write(run, _quotient(a, b, delta), status)
 

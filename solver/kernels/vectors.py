@@ -70,3 +70,32 @@ def place(eq, free, total, increment, u, target, d):
             e = eq[a, i]
             if e >= 0:
                 d[a, i] = total[e] + increment[e] + u[e] if free[e] >= 0 else target[a, i]
+
+
+@kernel
+def put(places, rows, a, out):
+    """out[places] = a[rows], for flat arrays."""
+    for i in range(len(places)):
+        out[places[i]] = a[rows[i]]
+
+
+@kernel
+def add(c, a, out):
+    """out += c a."""
+    for i in range(len(a)):
+        out[i] += c * a[i]
+
+
+@kernel
+def put_sum(rows, a, c, b, out):
+    """out[rows] = a[rows] + c b."""
+    for i in range(len(rows)):
+        out[rows[i]] = a[rows[i]] + c * b[i]
+
+
+@kernel
+def rates(now, before, columns, dt, out):
+    """out (n, k) = (now - before) / dt in k columns."""
+    for i in range(len(out)):
+        for k in range(len(columns)):
+            out[i, k] = (now[i, columns[k]] - before[i, columns[k]]) / dt

@@ -21,6 +21,7 @@ from ..record import variable_record
 
 if TYPE_CHECKING:
     from ..action import Ints, Matrices
+    from ..changes import Changes
     from ..fields import Field
     from ..group import Chunk, Group
     from ..points import Points
@@ -90,6 +91,18 @@ class Work:
 
     def tangent(self, c: Chunk, state: State, target: Target, work: Workspace, steady: bool) -> None:
         """Add the tangents of a chunk's elements to ``target``."""
+        raise NotImplementedError
+
+    @property
+    def varies(self) -> bool:
+        """Can it say what small changes do (:meth:`vary`)?"""
+        return False
+
+    def vary(
+        self, c: Chunk, state: State, changes: Changes, R: Floats, work: Workspace, steady: bool
+    ) -> None:  # fmt: skip
+        """Subtract what small changes of nodal values, laws and histories do to internal forces of a chunk's elements
+        at the present state from R (v, node, the group's columns)."""
         raise NotImplementedError
 
     def cliques(self) -> list[Ints]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..fields import DISPLACEMENT, PRESSURE, Field
-from ..kernels import biphasic, blocks
+from ..kernels import biphasic, blocks, variations
 from ..points import Points
 from ..tangent import upper_blocks
 from ..values import Constant, Value
@@ -22,11 +22,12 @@ from .standard import StandardWork
 from .steadied import Steadied
 
 if TYPE_CHECKING:
+    from ..changes import Changes
     from ..group import Chunk, Group
     from ..state import State
     from ..tangent import Target, Workspace
 
-_NONE = np.zeros((0, 0))
+_NONE, _CONSTANT = np.zeros((0, 0)), np.zeros((0, 6, 6))
 
 
 @dataclass(slots=True, eq=False)
@@ -104,9 +105,9 @@ class BiphasicWork(StandardWork):
 
     def _permeability(self, pts: Points, tangent: bool = False) -> tuple[Floats, Floats | None]:
         """Permeability (n, 6) at points, and where asked for its derivatives (n, 6, 6), None where it has none."""
-        mix, k = self.mixture, np.zeros((pts.n, 6))
-        dk = np.zeros((pts.n, 6, 6)) if tangent and mix.permeability.strain_dependent else None
-        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
+        k = np.zeros((pts.n, 6))
+        dk = np.zeros((pts.n, 6, 6)) if tangent and self.mixture.permeability.strain_dependent else None
+        self._conduct(pts, k, dk)
         return k, dk
 
     def _supply_tangent(self, c: Chunk) -> tuple[Floats, Floats, Floats]:
@@ -163,6 +164,39 @@ class BiphasicWork(StandardWork):
         if laws.supply is not None:
             biphasic.supply_coupling(lo, hi, g.N, *g.geometry, *laws.supply, dt, K)
         target.add(g, lo, hi, K)
+
+    # ---- small changes ----------------------------------------------------------------------------
+    @property
+    def varies(self) -> bool:
+        mix, g = self.mixture, self.group
+        plain = type(self) is BiphasicWork and mix.supply is None and mix.active is None
+        steadied = self.steadied.coefficient is not None or g.shell
+        return plain and not steadied and all(m.consistent for m in g.block.solid.walk())
+
+    def vary(
+        self, c: Chunk, state: State, changes: Changes, R: Floats, work: Workspace, steady: bool
+    ) -> None:  # fmt: skip
+        g, q = self.group, c.points.n
+        s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
+        k, depends = work.zeros("k", q, 6), self.mixture.permeability.strain_dependent
+        dk = work.zeros("dk", q, 6, 6) if depends else _CONSTANT
+        c.points.t, c.points.dt = state.time, state.dt
+        self.moduli(c, s, C)
+        self._conduct(c.points, k, dk if depends else None)
+        ds, dK = self.stresses(c, s, changes, work), work.zeros("dK", len(changes.others), q, 6)
+        for change, (w, _, flows) in zip(dK, changes.others):
+            if flows:
+                w._conduct(w.here(c), change, None)
+                change -= k
+        variations.forces(g.n, g.g, True)(
+            c.lo, c.hi, g.conn, g.dN, g.N, g.iJ0, g.wJ0, g.F, g.J, s, C, self.pg, self.gp, k, dk, state.dt, steady,
+            changes.D, changes.which, ds, dK, changes.dJ, R,
+        )  # fmt: skip
+
+    def _conduct(self, pts: Points, k: Floats, dk: Floats | None) -> None:
+        """Add the permeability at points to k (n, 6), and where asked for its derivatives to dk (n, 6, 6)."""
+        mix = self.mixture
+        mix.permeability.permeability(pts, mix.phi0(pts.t, pts.X, pts.e), k, dk)
 
     # ---- steps ------------------------------------------------------------------------------------
     def start(self, state: State) -> None:

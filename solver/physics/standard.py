@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..fields import DISPLACEMENT, Field
-from ..kernels import blocks, solid
+from ..kernels import blocks, solid, variations
 from ..points import VOIGT, Points
 from ..record import variable_record
 from ..tangent import upper_blocks
@@ -16,9 +16,13 @@ from . import register
 from .base import Floats, Physics, Work
 
 if TYPE_CHECKING:
+    from ..changes import Changes
     from ..group import Chunk, Group
     from ..state import State
     from ..tangent import Target, Workspace
+
+
+_NONE, _NONES, _FLAT = np.zeros((0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 6))
 
 
 class StandardWork(Work):
@@ -124,6 +128,39 @@ class StandardWork(Work):
 
     def dilate(self, lo: int, hi: int, bulk: Floats, K: Floats) -> None:
         """Add what element-mean pressures add to the matrices K of elements lo:hi."""
+
+    # ---- small changes ----------------------------------------------------------------------------
+    @property
+    def varies(self) -> bool:
+        own = type(self) is StandardWork and not self.group.shell
+        return own and all(m.consistent for m in self.group.block.solid.walk())
+
+    def vary(
+        self, c: Chunk, state: State, changes: Changes, R: Floats, work: Workspace, steady: bool
+    ) -> None:  # fmt: skip
+        g, q = self.group, c.points.n
+        s, C = work.zeros("s", q, 6), work.zeros("C", q, 6, 6)
+        c.points.t, c.points.dt = state.time, state.dt
+        self.moduli(c, s, C)
+        ds = self.stresses(c, s, changes, work)
+        variations.forces(g.n, g.g, False)(
+            c.lo, c.hi, g.conn, g.dN, g.N, g.iJ0, g.wJ0, g.F, g.J, s, C, _NONE, _NONES, _FLAT, _NONES, state.dt,
+            steady, changes.D, changes.which, ds, _NONES, _NONES, R,
+        )  # fmt: skip
+
+    def stresses(self, c: Chunk, s: Floats, changes: Changes, work: Workspace) -> Floats:
+        """What other laws and histories change of stresses s (n, 6) of a chunk (k, n, 6)."""
+        out = work.zeros("ds", len(changes.others), len(s), 6)
+        for ds, (w, stressed, _) in zip(out, changes.others):
+            if stressed:
+                w.group.block.solid.stress(w.here(c), ds, None)
+                ds -= s
+        return out
+
+    def here(self, c: Chunk) -> Points:
+        """The group's own points of a chunk of another one, deformed as those are."""
+        own = self.group.chunks[c.number].points
+        return own.but(F=c.points.F, J=c.points.J, t=c.points.t, dt=c.points.dt)
 
     outputs = {"stress": lambda w: w.s, "solid stress": lambda w: w.s}
 

@@ -33,6 +33,7 @@ class ActiveContraction(Solid):
     Guccione & McCulloch, J. Biomech. Eng. 115 (1993) 72. Where camax is 0, ca0 takes its place.
     """
 
+    consistent = False
     ascl: Number = 0.0
     Tmax: Number = 1.0
     ca0: Number = 1.0
@@ -79,6 +80,7 @@ class ForceVelocity(ActiveContraction):
 class UncoupledActiveContraction(Uncoupled):
     """sigma = T n dyad n along the first material axis, n = F e1 / l; with a trace, without a tangent, as in FEBio."""
 
+    consistent = False
     Tmax: Number = 0.0
     ca0: Number = 1.0
     camax: Number = 0.0

@@ -31,6 +31,8 @@ def _slope(curve: Any, x: Floats) -> Floats:
 class _Active(FiberLaw):
     """Tension smax activation stl(l) stv(0): FEBio 4.11 evaluates the rate's function at rest."""
 
+    consistent = False
+
     def tension(self, pts: Points, In: Floats, sn: Floats, cn: Floats) -> Floats:
         smax, activation = self.par(pts).T[:, :, None]  # type: ignore[attr-defined]
         stl, stv = self.stl, self.stv  # type: ignore[attr-defined]

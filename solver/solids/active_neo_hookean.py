@@ -19,6 +19,7 @@ from .voigt import vector
 class _Active(NeoHookean):
     """sigma + sum_j ac |a N_j| n_j dyad n_j: ``a`` scales the components of the local directions N_j."""
 
+    consistent = False
     a: Any = (0.0, 0.0, 0.0)
     active_contraction: Number = 0.0
     parameters = (*NeoHookean.parameters, "a", "active_contraction")

@@ -65,6 +65,7 @@ class Solid(Law):
     constants: ClassVar[tuple[str, ...]] = ()  # fields the file gives under Globals (R, T)
     history: int = field(default=0, init=False, repr=False)  # columns of the node's own, children not counted
     symmetric: ClassVar[bool] = True  # the tangent has major symmetry
+    consistent: ClassVar[bool] = True  # the tangent is the derivative of the stress, history at the step's start held
     uncoupled: ClassVar[bool] = False
     density_: Number = field(default=1.0, kw_only=True)  # per reference volume; the root's counts
     offset: int = field(default=0, init=False, repr=False)

@@ -24,6 +24,7 @@ class DamagedTransIso(MooneyRivlin):
     first material axis and bear compression, too. The tangent leaves out how they fall. History: the two peaks.
     """
 
+    consistent = False
     c3: Number = 0.0
     c4: Number = 0.0
     Mbeta: Number = 0.0

@@ -22,6 +22,7 @@ class _Damage:
     History: the largest value up to the present, D. Nims et al., J. R. Soc. Interface Focus 6 (2016) 20150063.
     """
 
+    consistent = False
     elastic: Solid | None = None
     damage: Any = None
     criterion: Any = None

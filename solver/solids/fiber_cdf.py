@@ -23,6 +23,8 @@ class _Recruited(FiberLaw):
     History: In - 1, W, s, cdf. For one direction only, as in FEBio.
     """
 
+    consistent = False
+
     def _advance(self, pts: Points, x: Floats) -> Floats4:
         """(In - 1, energy sum, s, cdf) at strain x (n,)."""
         at = self.offset  # type: ignore[attr-defined]

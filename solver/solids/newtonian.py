@@ -27,6 +27,7 @@ def _add_isotropic(k1, k4, c):
 class _Viscous:
     """sigma = (kappa - 2 mu / 3) tr D I + 2 mu D, D = sym[(F - F_old) F^-1] / dt. History: F."""
 
+    consistent = False
     kappa: Number = 0.0
     mu: Number = 0.0
     secant_tangent: int = 0

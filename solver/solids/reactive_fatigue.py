@@ -38,6 +38,7 @@ class _Fatigue:
     not borne more. X is elastic_criterion.
     """
 
+    consistent = False
     elastic: Solid | None = None
     elastic_damage: Any = None
     fatigue_damage: Any = None
@@ -181,6 +182,7 @@ class UncoupledReactiveFatigue(_Fatigue, Uncoupled):
 class ReactiveViscoelasticFatigue(Solid):
     """(1 - w_b) times a reactive viscoelastic stress, whose strong bonds are a "reactive fatigue" solid."""
 
+    consistent = False
     viscoelastic: ReactiveViscoelastic | None = None
     properties = {"viscoelastic": Property("solid")}
 

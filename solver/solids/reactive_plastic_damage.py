@@ -64,6 +64,7 @@ class ReactivePlasticDamage(Solid):
     criteria and distributions. Ateshian, Hung & Zimmerman, Comput. Methods Biomech. Biomed. Eng. (2022).
     """
 
+    consistent = False
     elastic: Solid | None = None
     yield_criterion: Any = None
     flow_curve: Any = None

@@ -45,6 +45,7 @@ class ReactivePlasticity(Solid):
     Ateshian, J. Biomech. Eng. 143 (2021) 041002. History: per family Fp^-1, yield measure, fraction, yielded.
     """
 
+    consistent = False
     elastic: Solid | None = None
     yield_criterion: Any = None
     flow_curve: Any = None

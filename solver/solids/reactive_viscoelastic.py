@@ -36,6 +36,7 @@ class _Bonds:
     Biomech. 56 (2017) 66.
     """
 
+    consistent = False  # it leaves out what is recruited
     elastic: Solid | None = None
     bond: Solid | None = None
     relaxation: Any = None

@@ -43,6 +43,7 @@ class _Softened(Solid):
     History: peak.
     """
 
+    consistent = False
     history = 1
 
     def reduction(self, pts: Points, peak: Floats) -> Floats:

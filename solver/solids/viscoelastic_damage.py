@@ -22,6 +22,8 @@ from .viscoelastic import _Series
 class _DamagedSeries(_Series):
     """(1 - D) times the viscoelastic stress of the undamaged solid; ``elastic`` is an elastic damage solid."""
 
+    consistent = False
+
     def _damaged(self, pts: Points, s: Floats, c: Floats | None) -> None:
         damage: Any = self.elastic
         within = self.inner(pts)  # type: ignore[attr-defined]
@@ -59,6 +61,7 @@ class ReactiveViscoelasticDamage(Solid):
     History: the largest value of the criterion, D.
     """
 
+    consistent = False
     viscoelastic: ReactiveViscoelastic | None = None
     damage: Any = None
     criterion: Any = None

@@ -26,6 +26,7 @@ class VonMisesPlasticity(Solid):
     objective, as FEBio's. History: strain, stress, growth of Y.
     """
 
+    consistent = False
     E: Number = 0.0
     v: Number = 0.0
     Y: Number = 0.0

@@ -106,6 +106,18 @@ def test_derivatives_of_a_model_that_comes_to_rest(monkeypatch: pytest.MonkeyPat
                     other.sensitivity.isel(parameter=[0])[["reaction_forces"]].isel(time=[-1]), 1e-4)  # fmt: skip
 
 
+def test_values_of_nodes_need_no_elements() -> None:
+    """What is asked for alone, and beside stresses, for which elements follow."""
+    m = plug()
+    m.materials["cartilage"] = mt.Biphasic(solid=mt.NeoHookean(E=0.6, v=0.1), phi0=0.2,
+                                           permeability=mt.PermHolmesMow(perm=2e-2, M=1.3, alpha=2.0))  # fmt: skip
+    paths = ["cartilage.solid.E", "cartilage.permeability.perm", "fem.bc[4].value"]
+    few, many = (m.solve(variables=v, sensitivity=paths).sensitivity for v in (PLOT[:3], PLOT))
+    for name in few.data_vars:
+        assert float(abs(few[name]).max()) > 1e-3
+        np.testing.assert_allclose(few[name], many[name], rtol=0, atol=2e-6 * float(abs(many[name]).max()))
+
+
 def test_derivatives_of_a_mixture_with_ions(monkeypatch: pytest.MonkeyPatch) -> None:
     m = charged.block((1, 1, 1), (2, 1, 1), [charged.solute("Na+"), charged.solute("Cl-")])
     bath = {"Na+": 150.0, "Cl-": 150.0}

@@ -105,6 +105,11 @@ ARRAYS = {
     "sbm concentration": "solid_bound", "sbm referential apparent density": "solid_bound",
     "sbm areal concentration": "solid_bound",
 }  # fmt: skip
+# what depends on values and reactions of nodes alone
+NODAL = {
+    "displacement", "nodal velocity", "nodal acceleration", "reaction forces", "incremental displacement",
+    "effective fluid pressure",
+}  # fmt: skip
 PARTS = {"pid controller": ("measurement", "error", "output")}  # names of other arrays' values
 
 

@@ -52,6 +52,12 @@ def test_tangent_is_derivative_of_stress(name):
     laws.check_tangent_is_derivative_of_stress(solid, make, F, rtol=3e-6)
 
 
+@pytest.mark.parametrize("name", examples.NO_TANGENT_LAW)
+def test_a_tangent_that_is_not_the_derivative_of_the_stress_is_said(name):
+    """Derivatives by parameters are had of states' tangents where all of a solid's are consistent."""
+    assert not all(m.consistent for m in examples.example(name).walk())
+
+
 @pytest.mark.parametrize("name", [n for n in SOLIDS if any(m.history for m in examples.example(n).walk())])
 def test_energy_leaves_the_state_alone(name):
     solid, F, make = prepare(name)
