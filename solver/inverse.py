@@ -166,7 +166,7 @@ class Inverse:
     # ---- solves -----------------------------------------------------------------------------------
     def solve(self, b: Floats) -> Floats:
         """K^-1 b: by its factorisation, or by iterations; where these are slow K is factorised after all."""
-        if self._inner is not None and self._at is not None and self._at.latest > self.ratio:
+        if self._inner is not None and self._spent:
             self._give_up()
         if self._inner is not None:
             assert self._A is not None and self._at is not None
@@ -183,11 +183,18 @@ class Inverse:
         with self._clock("linear solves"):
             return self._improved(b, self._at)
 
+    @property
+    def _spent(self) -> bool:
+        """Has the old factorisation cost the present tangent as much as a new one? Steps that lean on it have few systems
+        each, and are better off with what they have."""
+        return not self.use.leans and self._at is not None and self._at.latest > self.ratio
+
     def _give_up(self) -> None:
         """The old factorisation has cost the present tangent as much as a new one, or does not serve it."""
         assert self._A is not None
-        self._vain += 1
-        self._skip = 2**self._vain - 1
+        if not self.use.leans:
+            self._vain += 1
+            self._skip = 2**self._vain - 1
         self.factorise(self._A, self._dt)
 
     def _improved(self, b: Floats, f: Factor) -> Floats:
