@@ -37,13 +37,15 @@ class Use:
 
     ``exact``: relative error of K^-1 by iterations, over older ones or those of single precision (``single``); 0: each
     tangent is factorised. ``leans``: those of earlier time steps stand in for the tangent's. ``dear``: how many solves
-    one costs where it is kept for later tangents.
+    one costs where it is kept for later tangents. ``doubles``: there is memory for one of double precision where single
+    is not enough.
     """
 
     exact: float = 0.0
     single: bool = False
     leans: bool = False
     dear: float = 20.0
+    doubles: bool = True
 
 
 FRESH = Use()
@@ -70,6 +72,11 @@ class Factor:
     pattern: NDArray[np.int32] | None = None
     first: NDArray | None = None  # values that the pattern was analysed with, which LU's order depends on
     last: NDArray | None = None  # values that were factorised
+
+    @property
+    def fresh(self) -> bool:
+        """Is it of the tangent in use?"""
+        return self.tangents == 1
 
     @property
     def single(self) -> bool:
@@ -175,7 +182,7 @@ class Inverse:
                 x, error = self._inner.solve(b, self.use.exact, self._inner_most)
             more = self._inner.solves - before - 1
             self._at.latest, self._at.extra = self._at.latest + more, self._at.extra + more
-            if error <= self.use.exact:
+            if error <= self.use.exact or self._at.fresh:
                 return x
             self._give_up()
         if self.use.leans or self._at is None or not self._at.single:
@@ -185,9 +192,10 @@ class Inverse:
 
     @property
     def _spent(self) -> bool:
-        """Has the old factorisation cost the present tangent as much as a new one? Steps that lean on it have few systems
-        each, and are better off with what they have."""
-        return not self.use.leans and self._at is not None and self._at.latest > self.ratio
+        """Has the old factorisation cost the present tangent as much as a new one? Steps that lean on it have
+        few systems for each tangent, and are better off with what they have."""
+        at = self._at
+        return not self.use.leans and at is not None and not at.fresh and at.latest > self.ratio
 
     def _give_up(self) -> None:
         """The old factorisation has cost the present tangent as much as a new one, or does not serve it."""
@@ -209,7 +217,7 @@ class Inverse:
                 parts = [(more[own], x[own]) for own in self._fields] or [(more, x)]
                 f.rough = max(norm(d) / (norm(q) or 1.0) for d, q in parts)
                 if not f.rough < ROUGH:
-                    return self._doubled(b, f)
+                    return self._doubled(b, f) if self.use.doubles else self._iterated(b, f)
             return x
         while error > PLAIN:
             x += f.solver.solve(b - matvec(self._A, x))
@@ -226,6 +234,12 @@ class Inverse:
         if self.remembers:
             f.remember(self._A, True)
         return f.solver.solve(b)
+
+    def _iterated(self, b: Floats, f: Factor) -> Floats:
+        """K^-1 b by iterations over K's own factorisation, as for all its systems."""
+        assert self._A is not None
+        self._inner = Recycled(self._A, f.solver.solve, fields=self._fields)
+        return self._inner.solve(b, self.use.exact, MOST)[0]
 
     def refined(self, b: Floats) -> Floats:
         """K^-1 b with a step of GMRES where the fresh factorisation is of single precision."""

@@ -40,6 +40,8 @@ class Route:
             if need > left:
                 first.close()
                 name, use, first = "iterative", FRESH, self._in_its_place(need, left)
+            elif 2.0 * need > left:
+                use = replace(use, doubles=False)
         spare = [first]
         return lambda: spare.pop() if spare else self.solver(name, use.single), use
 

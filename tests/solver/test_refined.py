@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from febkit.solver.clock import Clock
 from febkit.solver.inverse import FRESH, LEANING, REFINED, Inverse
 from febkit.solver.linear.base import Matrix
 from febkit.solver.linear.krylov import Recycled
-from febkit.solver.linear.pardiso import library
+from febkit.solver.linear.pardiso import Pardiso, library
 from febkit.solver.options import Options
 from febkit.solver.permeabilities.const_iso import ConstIso
 from febkit.solver.permeabilities.holmes_mow import HolmesMow as HolmesMowPermeability
@@ -92,18 +93,40 @@ def test_full_newton_leans_on_nothing() -> None:
     assert run.solve().converged and run.newton.inverse.use == REFINED
 
 
-def test_what_single_precision_does_not_resolve_is_factorised_in_double(small: None) -> None:
+def bent() -> Problem:
     """A bar a hundred times as long as thick, bent: its softest motion is 1e-9 of its stiffest."""
+    X, conn = scenes.grid((2, 2, 100), (0.01, 0.01, 1.0))
+    low, high = (np.flatnonzero(np.abs(X[:, 2] - z) < 1e-9) for z in (0.0, 1.0))
+    held: list[Any] = [*(Fixed(c, low) for c in range(3)), Prescribed(0, high, scenes.ramp(0.01, 1.0))]
+    return Problem(X, [scenes.block("hex8", conn, NeoHookean(1.0, 0.3))], [Step(dt=0.5, count=2, conditions=held)])
 
-    def bent() -> Problem:
-        X, conn = scenes.grid((2, 2, 100), (0.01, 0.01, 1.0))
-        low, high = (np.flatnonzero(np.abs(X[:, 2] - z) < 1e-9) for z in (0.0, 1.0))
-        held: list[Any] = [*(Fixed(c, low) for c in range(3)), Prescribed(0, high, scenes.ramp(0.01, 1.0))]
-        return Problem(X, [scenes.block("hex8", conn, NeoHookean(1.0, 0.3))], [Step(dt=0.5, count=2, conditions=held)])
 
+def test_what_single_precision_does_not_resolve_is_factorised_in_double(small: None) -> None:
     run = solved(bent)
     assert not run.newton.inverse.use.single and run.newton.inverse.use.exact == REFINED.exact
     assert not run.newton.inverse.solver.single
+
+
+def test_or_iterated_where_memory_is_short(small: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = solved(bent)
+    monkeypatch.setattr(route, "REFINED", replace(REFINED, doubles=False))
+    run = solved(bent)
+    assert run.newton.inverse.solver.single and run.totals.reforms == exact.totals.reforms
+    assert abs(run.totals.iterations - exact.totals.iterations) <= 1
+    assert np.linalg.norm(run.state.d - exact.state.d) < 1e-4 * np.linalg.norm(exact.state.d)
+
+
+def test_memory_for_double_precision_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a factorisation of single precision that fits just so."""
+    monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
+    uses = []
+    for share in (1.5, 2.5):
+        run = Run(SCENES["solid"](), [], Options(threads=1, memory=1.0))
+        monkeypatch.setattr(Pardiso, "memory", lambda self, A, share=share: 1e9 / share)
+        monkeypatch.setattr("febkit.solver.linear.choose.DENSE_LIMIT", 0)
+        assert run.solve().converged
+        uses.append(run.newton.inverse.use.doubles)
+    assert uses == [False, True]
 
 
 # ---- rent or buy ----------------------------------------------------------------------------------
