@@ -1,8 +1,169 @@
-"""Deformation of bonds as seen from the states in which they were born."""
+"""Generations of bonds: when they begin, what they weigh, and deformation as seen from the states at their birth.
+
+A state is a row of ten numbers, the count of generations and F of the last state, and of eleven for each generation:
+time v at which it starts to break, J, fraction, recruited, distortion |dev ln U|, U (xx yy zz xy yz xz).
+"""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from ..jit import kernel
+from .return_map import determinant, product
+from .tensors import eigen, left_cauchy_green, right_cauchy_green
+
+
+@kernel
+def shear_of(w):
+    """|dev ln| of stretches, w (3,) their squares."""
+    x, y, z = 0.5 * math.log(max(w[0], 1e-300)), 0.5 * math.log(max(w[1], 1e-300)), 0.5 * math.log(max(w[2], 1e-300))
+    mean = (x + y + z) / 3.0
+    return math.sqrt((x - mean) ** 2 + (y - mean) ** 2 + (z - mean) ** 2)
+
+
+@kernel
+def strain_measure(F, i, trigger, a, A, w, V):
+    """|E| (``trigger`` 0), |dev ln V| (1) or |ln J| (2) of F[i]; a, A, w, V scratch of :func:`.tensors.eigen`."""
+    if trigger == 0:
+        right_cauchy_green(F, i, 1.0, a)
+        x, y, z = 0.5 * (a[0] - 1.0), 0.5 * (a[1] - 1.0), 0.5 * (a[2] - 1.0)
+        return math.sqrt(x * x + y * y + z * z + 0.5 * (a[3] * a[3] + a[4] * a[4] + a[5] * a[5]))
+    if trigger == 1:
+        left_cauchy_green(F, i, 1.0, a)
+        eigen(a, A, w, V)
+        return shear_of(w)
+    return abs(math.log(determinant(F[i])))
+
+
+@kernel
+def strain_measures(F, trigger, out):
+    """:func:`strain_measure` of all points, out (n,)."""
+    a, A, w, V = np.empty(6), np.empty((3, 3)), np.empty(3), np.empty((3, 3))
+    for i in range(len(out)):
+        out[i] = strain_measure(F, i, trigger, a, A, w, V)
+
+
+@kernel
+def inverse_of(U, out):
+    """Inverse (3, 3) of a symmetric U (6,)."""
+    x, y, z, xy, yz, xz = U[0], U[1], U[2], U[3], U[4], U[5]
+    c0, c1, c2 = y * z - yz * yz, xz * yz - xy * z, xy * yz - xz * y
+    d = 1.0 / (x * c0 + xy * c1 + xz * c2)
+    out[0, 0], out[1, 1], out[2, 2] = c0 * d, (x * z - xz * xz) * d, (x * y - xy * xy) * d
+    out[0, 1] = out[1, 0] = c1 * d
+    out[0, 2] = out[2, 0] = c2 * d
+    out[1, 2] = out[2, 1] = (xy * xz - x * yz) * d
+
+
+@kernel
+def merged(old, w, count, wmin):
+    """Do the first two generations of a state merge, ``count`` with the one that begins? w (generation,) fractions."""
+    return count >= 3 and w[0] * old[13] < wmin
+
+
+@kernel
+def there(old, new, count, shift):
+    """Did an earlier iterate leave the generations of ``old``, past the first where they are shifted, in ``new``?"""
+    a, b = 10 + 11 * shift, 11 * (count - shift) - 1  # the times at which the first and the last start to break
+    if b < a:
+        return True
+    s = 11 * shift
+    same = new[a] == old[a + s] and new[a + 1] == old[a + s + 1]
+    return same and new[b] == old[b + s] and new[b + 1] == old[b + s + 1]
+
+
+@kernel
+def begin(F, i, J, t, share, fraction, a, A, w, V, at, new):
+    """Write the generation that begins in the state F[i], J into new from column ``at`` on."""
+    right_cauchy_green(F, i, 1.0, a)
+    eigen(a, A, w, V)
+    new[at], new[at + 1], new[at + 2], new[at + 3], new[at + 4] = t, J, fraction, share, shear_of(w)
+    for m in range(6):
+        r = m if m < 3 else (0 if m != 4 else 1)
+        c = m if m < 3 else (1 if m == 3 else 2)
+        new[at + 5 + m] = 0.0
+        for k in range(3):
+            new[at + 5 + m] += V[r, k] * math.sqrt(w[k]) * V[c, k]
+
+
+@kernel
+def merge(old, w, a, A, l, V, new):
+    """Write the mean of the first two generations of ``old``, by what they weigh, as the first of ``new``."""
+    p, q = w[0] * old[13], w[1] * old[24]
+    for m in range(11):
+        new[10 + m] = (p * old[10 + m] + q * old[21 + m]) / (p + q)
+    x, y, z, xy, yz, xz = new[15], new[16], new[17], new[18], new[19], new[20]
+    new[11] = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz)
+    a[0], a[1], a[2] = x * x + xy * xy + xz * xz, xy * xy + y * y + yz * yz, xz * xz + yz * yz + z * z
+    a[3], a[4], a[5] = x * xy + xy * y + xz * yz, xy * xz + y * yz + yz * z, x * xz + xy * yz + xz * z
+    eigen(a, A, l, V)
+    new[14] = shear_of(l)
+
+
+@kernel
+def grow(F, J, t, old, w, share, slack, par, trigger, culls, again, new):
+    """Bring states from ``old`` to ``new`` (n, columns): a generation begins where the strain has changed.
+
+    ``w`` (n, generations) fractions of those of ``old`` now; ``share`` (n,) recruited by one that begins; ``slack``
+    (n,) where none may; ``par`` (1|n, 2) least fraction that reforms, least strain; ``culls``: generations merge where
+    they have less than that. ``again``: ``new`` is of an earlier iterate of the step, what began there stays begun.
+    """
+    a, A, l, V = np.empty(6), np.empty((3, 3)), np.empty(3), np.empty((3, 3))
+    G, Ui = np.empty((1, 3, 3)), np.empty((3, 3))
+    for i in range(len(J)):
+        m = i if len(par) > 1 else 0
+        wmin, emin = par[m, 0], max(par[m, 1], 2.220446049250313e-15)
+        count, last = int(old[i, 0]), 0.0
+        before = int(new[i, 0]) if again else 0
+        begun = before > 0 and new[i, 11 * before - 1] == t
+        if begun and slack[i]:
+            for k in range(9):
+                new[i, 1 + k] = F[i, k // 3, k % 3]
+            continue
+        left = 1.0
+        for k in range(count):
+            last = w[i, k]
+            left -= last
+        born = begun
+        if not begun and (count == 0 or old[i, 11 * count - 1] < t) and not (culls and left + last < wmin):
+            if count == 0:
+                change = strain_measure(F, i, trigger, a, A, l, V)
+            else:
+                inverse_of(old[i, 11 * count + 4 : 11 * count + 10], Ui)
+                product(F[i], Ui, G[0])
+                change = strain_measure(G, 0, trigger, a, A, l, V)
+            born = change > emin
+        born = born and not slack[i]
+        shift = 1 if born and culls and merged(old[i], w[i], count + 1, wmin) else 0
+        if shift:
+            merge(old[i], w[i], a, A, l, V, new[i])
+        if not (again and there(old[i], new[i], count, shift)):
+            for k in range(10 + 11 * shift, 10 + 11 * (count - shift)):
+                new[i, k] = old[i, k + 11 * shift]
+        if born:
+            begin(F, i, J[i], t, share[i], left, a, A, l, V, 10 + 11 * (count - shift), new[i])
+        new[i, 0] = count - shift + (1 if born else 0)
+        for k in range(9):
+            new[i, 1 + k] = F[i, k // 3, k % 3]
+
+
+@kernel
+def add_bonds(w, s, c, S, C):
+    """S (n, 6) += sum_g w_g s_g and C (n, 6, 6) += sum_g w_g c_g, w (n, g), s (n g, 6), c (n g, 6, 6)."""
+    b = w.shape[1]
+    for i in range(w.shape[0]):
+        for g in range(b):
+            k = w[i, g]
+            if k == 0.0:
+                continue
+            for p in range(6):
+                if len(S) > 0:
+                    S[i, p] += k * s[i * b + g, p]
+                if len(C) > 0:
+                    for q in range(6):
+                        C[i, p, q] += k * c[i * b + g, p, q]
 
 
 @kernel

@@ -11,11 +11,8 @@ from ..points import Points
 from .base import Floats
 
 
-def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = False) -> Points:
-    """Each of n points under b deformation gradients ``F`` (n, b, 3, 3), as n b points in that order.
-
-    History goes along where ``history`` is asked for (read only), else it is left out.
-    """
+def states(pts: Points, F: Floats, J: Floats | None = None) -> Points:
+    """Each of n points under b deformation gradients ``F`` (n, b, 3, 3), as n b points in that order; no history."""
     n, b = F.shape[:2]
 
     def times(x: Any) -> Any:
@@ -30,6 +27,5 @@ def states(pts: Points, F: Floats, J: Floats | None = None, history: bool = Fals
         t=pts.t,
         dt=pts.dt,
         Q=times(pts.Q),
-        old=times(pts.old) if history else None,
         extra={k: times(v) if isinstance(v, np.ndarray) and len(v) == n else v for k, v in pts.extra.items()},
     )

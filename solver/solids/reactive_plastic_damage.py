@@ -98,13 +98,15 @@ class ReactivePlasticDamage(Solid):
         out[:, _HEAD:].reshape(n, -1, _EACH)[:, :, :9] = np.eye(3).ravel()
         return out
 
-    def _flow(self, pts: Points) -> tuple[Floats, Floats, Floats, Floats | None]:
+    def _old(self, pts: Points) -> Floats:
+        return self.initial(pts.n) if pts.old is None else pts.old[:, self.offset : self.offset + self.history]
+
+    def _flow(self, pts: Points, old: Floats) -> tuple[Floats, Floats, Floats, Floats | None]:
         """Inverse plastic parts (n, nf, 3, 3), yielded fractions (n, nf) and the intact fraction (n,).
 
         And stresses (n, nf + 1, 6) of the families and, last, of intact bonds, where they were had along with them.
         """
         at, h, n = self.offset, self.history, pts.n
-        old = self.initial(n) if pts.old is None else pts.old[:, at : at + h]
         state = old[:, _HEAD:].reshape(n, -1, _EACH).copy()
         f = state.shape[1]
         Ky, share = (np.broadcast_to(x, (n, x.shape[1])) for x in self.flow_curve.families(pts))
@@ -176,19 +178,21 @@ class ReactivePlasticDamage(Solid):
         state[:, :, _W] = np.where(yielding, left * share, state[:, :, _W])
         return (1.0 - left) * share
 
-    def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
-        Us, w, intact, s = self._flow(pts)
+    def _sum(self, pts: Points, old: Floats, tangent: bool) -> tuple[Floats, Floats | None]:
+        Us, w, intact, s = self._flow(pts, old)
         if s is None or tangent:
             return mixed_stress(self.elastic, pts, Us, w, intact, tangent)  # type: ignore[arg-type]
         return np.einsum("nf,nfi->ni", np.concatenate((w, intact[:, None]), axis=1), s), None
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
-        exact = c is not None and not self.secant_tangent
-        si, ci = self._sum(within, exact)
+        old, exact = self._old(within), c is not None and not self.secant_tangent
+        si, ci = self._sum(within, old, exact)
         s += si
         if c is not None:
-            c += ci if ci is not None else secant_tangent(lambda p: self._sum(p, False)[0], within)
+            c += ci if ci is not None else secant_tangent(
+                lambda p: self._sum(p, np.repeat(old, 7, axis=0), False)[0], within
+            )  # fmt: skip
 
     def broken(self, pts: Points) -> Floats | float:
         state = pts.old if pts.new is None else pts.new
@@ -197,7 +201,7 @@ class ReactivePlasticDamage(Solid):
     def energy(self, pts: Points) -> Floats:
         within = self.inner(unwritten(pts))
         base: Any = self.elastic
-        return mixed_energy(base, within, *self._flow(within)[:3], bool(self.isochoric))
+        return mixed_energy(base, within, *self._flow(within, self._old(within))[:3], bool(self.isochoric))
 
 
 register(ReactivePlasticDamage, "reactive plastic damage")

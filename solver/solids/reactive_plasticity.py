@@ -76,10 +76,10 @@ class ReactivePlasticity(Solid):
             return self.initial(pts.n).reshape(pts.n, -1, _EACH)
         return pts.old[:, self.offset : self.offset + self.history].reshape(pts.n, -1, _EACH)
 
-    def _flow(self, pts: Points) -> tuple[Floats, Floats]:
-        """Inverse plastic parts (n, nf, 3, 3) and fractions (n, nf) of the families at the present state."""
+    def _flow(self, pts: Points, old: Floats) -> tuple[Floats, Floats]:
+        """Inverse plastic parts (n, nf, 3, 3) and fractions (n, nf) of the families, ``old`` (n, nf, 12), now."""
         base: Any = self.elastic
-        state = self._old(pts).copy()
+        state = old.copy()
         n, f = state.shape[:2]
         rtol = float(self.par(pts)[0, 0])
         Ky, share = self.flow_curve.families(pts)
@@ -105,38 +105,39 @@ class ReactivePlasticity(Solid):
             pts.new[:, self.offset : self.offset + self.history] = state.reshape(n, -1)
         return Us, w
 
-    def _cauchy(self, pts: Points) -> Floats:
+    def _cauchy(self, pts: Points, old: Floats) -> Floats:
         """Stress (n, 6); by machine code, where it knows base and criterion."""
-        old, rtol = np.ascontiguousarray(self._old(pts)), float(self.par(pts)[0, 0])
+        rtol = float(self.par(pts)[0, 0])
         Ky, share = self.flow_curve.families(pts)
         iso = int(bool(self.isochoric))
         found = Families.of(self.elastic, self.yield_criterion, pts, old, _W, Ky, rtol, iso, False)
         if found is None:
-            return self._sum(pts, False)[0]
+            return self._sum(pts, old, False)[0]
         s, new = np.zeros((pts.n, 6)), np.empty(old.shape if pts.new is not None else (0, *old.shape[1:]))
         yielded(old, found.Us, found.K, found.phase, Ky, share, rtol, found.s, s, new)
         if pts.new is not None:
             pts.new[:, self.offset : self.offset + self.history] = new.reshape(pts.n, -1)
         return s
 
-    def _sum(self, pts: Points, tangent: bool) -> tuple[Floats, Floats | None]:
-        Us, w = self._flow(pts)
+    def _sum(self, pts: Points, old: Floats, tangent: bool) -> tuple[Floats, Floats | None]:
+        Us, w = self._flow(pts, old)
         return mixed_stress(self.elastic, pts, Us, w, 1.0 - w.sum(1), tangent)  # type: ignore[arg-type]
 
     def stress(self, pts: Points, s: Floats, c: Floats | None) -> None:
         within = self.inner(pts)
+        old = np.ascontiguousarray(self._old(within))
         if c is not None and not self.secant_tangent:
-            si, ci = self._sum(within, True)
+            si, ci = self._sum(within, old, True)
             s += si
             c += ci  # type: ignore[arg-type]
             return
-        s += self._cauchy(within)
+        s += self._cauchy(within, old)
         if c is not None:
-            c += secant_tangent(self._cauchy, within)
+            c += secant_tangent(lambda p: self._cauchy(p, np.repeat(old, 7, axis=0)), within)
 
     def energy(self, pts: Points) -> Floats:
         within = self.inner(unwritten(pts))
-        Us, w = self._flow(within)
+        Us, w = self._flow(within, self._old(within))
         base: Any = self.elastic
         return mixed_energy(base, within, Us, w, 1.0 - w.sum(1), bool(self.isochoric))
 

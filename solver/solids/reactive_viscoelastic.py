@@ -8,21 +8,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.generations import since_birth
-from ..matrices import det, inv
+from ..kernels.generations import add_bonds, grow, since_birth, strain_measures
+from ..matrices import inv
 from ..points import Points
-from .base import Floats, Number, Property, Solid, unwritten
+from .base import Floats, Number, Property, Solid, unwritten, wanted
 from .batches import states
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
 from .registry import register
 from .uncoupled import Uncoupled, distortional, distortional_energy
-from .voigt import deviator, distortion, matrix, norm, right_stretch, spectral, strain, vector
+from .voigt import matrix, norm
 
 _HEAD = 10  # number of generations, F of the last state
 _EACH = 11  # per generation: v, J, f, recruited, K2, U
 _V, _J, _F, _R, _K = range(5)
 _U = slice(5, 11)
+_NO_STRESS = np.empty((0, 6))
 _BATCH = 1 << 13  # points of all generations evaluated at a time
 Law = Callable[[Points, Floats, Floats | None], None]
 
@@ -55,6 +56,7 @@ class _Bonds:
     }
     capacity: int = field(default=4, init=False, repr=False)
     history: int = field(default=_HEAD + 4 * _EACH, init=False, repr=False)
+    _bond_remembers: bool | None = field(default=None, init=False, repr=False)
 
     def initial(self, n: int) -> Floats:
         out = np.zeros((n, self.history))
@@ -71,12 +73,15 @@ class _Bonds:
 
     def _weights(self, pts: Points, gen: Floats, rate: Floats) -> Floats:
         """Mass fraction of each generation (n, capacity) as if all existed."""
-        dtv = pts.t - gen[:, :, _V]
-        g = self.relaxation(pts, np.maximum(dtv, 0.0), gen[:, :, _K], rate)
+        dtv, K = pts.t - gen[:, :, _V], gen[:, :, _K]
+        t = np.maximum(dtv, 0.0)
+        if not (self.relaxation.rated or self.relaxation.formed) and (t == t[:1]).all():
+            t = t[:1]  # bonds of all points started to break together, and break alike
+        g = self.relaxation(pts, t, K, rate)
         if self.kinetics == 1:
             return np.where(dtv >= 0, gen[:, :, _F] * g, 0.0)
         out = np.array(np.broadcast_to(g, dtv.shape))
-        before = self.relaxation(pts, np.maximum(dtv[:, :-1], 0.0), gen[:, 1:, _K], rate)
+        before = self.relaxation(pts, t[:, :-1], K[:, 1:], rate)
         out[:, 1:] -= before
         return out
 
@@ -88,20 +93,11 @@ class _Bonds:
         live = np.arange(top) < (count - 1)[:, None]
         return 1.0 - (self._weights(pts, gen[:, :top], rate) * live).sum(1)
 
-    def _changed(self, F: Floats, gen: Floats, count: Floats) -> Floats:
-        """Measure of the strain since the last generation, by ``trigger``."""
-        last = np.maximum(count - 1, 0).astype(int)
-        U = matrix(gen[np.arange(len(F)), last, _U])
-        U[count == 0] = np.eye(3)
-        Fu = F @ inv(U)
-        return self._scalar(Fu)
-
     def _scalar(self, F: Floats) -> Floats:
-        if self.trigger == 0:
-            return norm(strain(F))
-        if self.trigger == 1:
-            return norm(deviator(0.5 * spectral(F @ np.swapaxes(F, 1, 2), np.log)))
-        return np.abs(np.log(det(F)))
+        """Measure of strain (n,) by ``trigger``."""
+        out = np.empty(len(F))
+        strain_measures(np.ascontiguousarray(F), int(self.trigger), out)
+        return out
 
     def _slack(self, pts: Points, law: Law) -> Any:
         """Where both parts are fibers that bear no load, no generation starts."""
@@ -114,82 +110,21 @@ class _Bonds:
 
     def _advance(self, pts: Points, strong: Law) -> tuple[Floats, Floats, Floats]:
         """Generations at the present state: (n, capacity, 11), their number (n,), the rate (n, 1) where it matters."""
-        at, h = self.offset, self.history  # type: ignore[attr-defined]
-        old = self.initial(pts.n) if pts.old is None else pts.old[:, at : at + h]
-        count = old[:, 0].copy()
-        gen = old[:, _HEAD:].reshape(pts.n, self.capacity, _EACH).copy()
-        rate = np.zeros((pts.n, 1))
+        at, h, n = self.offset, self.history, pts.n  # type: ignore[attr-defined]
+        old = self.initial(n) if pts.old is None else pts.old[:, at : at + h]
+        new = old.copy() if pts.new is None else pts.new[:, at : at + h]
+        gen, top = old[:, _HEAD:].reshape(n, self.capacity, _EACH), int(old[:, 0].max(initial=0))
+        rate = np.zeros((n, 1))
         if pts.dt > 0 and self.relaxation.rated:
             L = (pts.F - old[:, 1:_HEAD].reshape(-1, 3, 3)) @ inv(pts.F) / pts.dt
             rate = norm(0.5 * (L + np.swapaxes(L, 1, 2)))[:, None]
-        wmin, emin = self.par(pts).T  # type: ignore[attr-defined]
-        slack = self._slack(pts, strong)
-        now = np.zeros(pts.n, bool) if pts.new is None else self._begun(pts)
-        born = now | (self._due(pts, gen, count, rate, wmin, emin) if not now.all() else False)
-        for i in np.flatnonzero(now & slack):  # what an earlier iteration of the step has begun stays
-            assert pts.new is not None
-            count[i] = pts.new[i, at]
-            gen[i] = pts.new[i, at + _HEAD : at + h].reshape(self.capacity, _EACH)
-        who = np.flatnonzero(born & ~slack)
-        if len(who):
-            self._begin(pts, gen, count, rate, who)
-            if wmin.any():
-                self._cull(pts, gen, count, rate, who, wmin)
-        if pts.new is not None:
-            pts.new[:, at] = count
-            pts.new[:, at + 1 : at + _HEAD] = pts.F.reshape(pts.n, 9)
-            pts.new[:, at + _HEAD : at + h] = gen.reshape(pts.n, -1)
-        return gen, count, rate
-
-    def _due(
-        self, pts: Points, gen: Floats, count: Floats, rate: Floats, wmin: Floats, emin: Floats
-    ) -> Any:
-        """Points (n,) whose strain has changed since the last generation, while enough bonds reform."""
-        eps = np.maximum(emin, 10 * np.finfo(float).eps)
-        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
-        due = (count == 0) | (last < pts.t)
-        if wmin.any():
-            due &= self._reforming(pts, gen, count, rate) >= wmin
-        return due & (self._changed(pts.F, gen, count) > eps)
-
-    def _begun(self, pts: Points) -> Any:
-        """Points (n,) with a generation of the present time in ``pts.new``."""
-        at, h = self.offset, self.history  # type: ignore[attr-defined]
-        assert pts.new is not None
-        count, gen = pts.new[:, at], pts.new[:, at + _HEAD : at + h].reshape(pts.n, self.capacity, _EACH)
-        last = gen[np.arange(pts.n), np.maximum(count - 1, 0).astype(int), _V]
-        return (count > 0) & (last == pts.t)
-
-    def _begin(self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any) -> None:
-        k = count[who].astype(int)
-        U = right_stretch(pts.F[who])
-        gen[who, k, _V] = pts.t
-        gen[who, k, _J] = pts.J[who]
-        gen[who, k, _K] = distortion(U)
-        gen[who, k, _U] = vector(U)
-        gen[who, k, _R] = 1.0
+        par, share = self.par(pts), np.ones(n)  # type: ignore[attr-defined]
         if self.recruitment is not None:
-            gen[who, k, _R] = self.recruitment(pts, self._scalar(pts.F))[who]
-        count[who] += 1
-        gen[who, k, _F] = self._reforming(pts, gen, count, rate)[who]
-
-    def _cull(
-        self, pts: Points, gen: Floats, count: Floats, rate: Floats, who: Any, wmin: Floats
-    ) -> None:
-        """Merge the oldest generation into the next where its fraction has fallen below wmin."""
-        w = self._weights(pts, gen[:, :2], rate) * gen[:, :2, _R]
-        thin = np.zeros(pts.n, bool)
-        thin[who] = True
-        thin &= (count >= 3) & (w[:, 0] < wmin)
-        if not thin.any():
-            return
-        a, b = w[thin, 0, None], w[thin, 1, None]
-        mean = (a * gen[thin, 0] + b * gen[thin, 1]) / (a + b)
-        U = matrix(mean[:, _U])
-        mean[:, _J], mean[:, _K] = det(U), distortion(U)
-        gen[thin, :-1] = gen[thin, 1:]
-        gen[thin, 0] = mean
-        count[thin] -= 1
+            share[:] = self.recruitment(pts, self._scalar(pts.F))
+        w = np.ascontiguousarray(self._weights(pts, gen[:, :top], rate))
+        slack, culls = self._slack(pts, strong), bool(par[:, 0].any())
+        grow(pts.F, pts.J, pts.t, old, w, share, slack, par, int(self.trigger), culls, pts.new is not None, new)
+        return new[:, _HEAD:].reshape(n, self.capacity, _EACH), new[:, 0].copy(), rate
 
     def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
         """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
@@ -198,11 +133,17 @@ class _Bonds:
         w = np.where(np.arange(top) < count[:, None], w, 0.0)
         w[count == 0, 0] = 1.0
         used = np.flatnonzero((w != 0.0).any(0))
-        step = max(1, _BATCH // n) if not any(m.history for m in self.bond.walk()) else 1  # type: ignore[union-attr]
+        step = 1 if self._remembers() else max(1, _BATCH // n)
         for a in range(0, len(used), step):
             some = used[a : a + step]
             J = np.empty((n, len(some)))
             yield self._repeat(pts, gen, count, some, J), len(some), w[:, some], J
+
+    def _remembers(self) -> bool:
+        """Has the bond a history? What may grow has one from the first."""
+        if self._bond_remembers is None:
+            self._bond_remembers = any(m.history for m in self.bond.walk())  # type: ignore[union-attr]
+        return self._bond_remembers
 
     def _repeat(self, pts: Points, gen: Floats, count: Floats, some: Any, J: Floats) -> Points:
         """Each point once for each of b generations ``some``, since their birth; writes J at birth (n, b)."""
@@ -228,18 +169,14 @@ class _Bonds:
         within = self.inner(pts)  # type: ignore[attr-defined]
         strong(within, s, c)
         gen, count, rate = self._advance(within, strong)
-        intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
-        for at, b, w, J in self._states(within, gen, count, rate):
+        intact = np.full(pts.n, 1.0)
+        intact -= self.elastic.broken(within)  # type: ignore[union-attr]
+        bears = _NO_STRESS if rest else s
+        for at, _, w, J in self._states(within, gen, count, rate):
             sb = np.zeros((at.n, 6))
             cb = None if c is None else np.zeros((at.n, 6, 6))
             bond(at, sb, cb)
-            k = w / J
-            weak = np.einsum("ng,ngi->ni", k, sb.reshape(pts.n, b, 6))
-            if not rest:
-                s += np.asarray(intact).reshape(-1, 1) * weak
-            if c is not None and cb is not None:
-                stiff = np.einsum("ng,ngij->nij", k, cb.reshape(pts.n, b, 6, 6))
-                c += np.asarray(intact).reshape(-1, 1, 1) * stiff
+            add_bonds(intact[:, None] * w / J, sb, wanted(cb), bears, wanted(c))
 
     def _sum_energy(self, pts: Points, energy: Callable[[Solid, Points], Floats], law: Law) -> Floats:
         within = self.inner(unwritten(pts))  # type: ignore[attr-defined]

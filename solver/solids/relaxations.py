@@ -29,6 +29,7 @@ class Relaxation:
     options: ClassVar[tuple[str, ...]] = ()
     properties: ClassVar[dict[str, Property]] = {}
     rated: ClassVar[bool] = False  # the rate of deformation matters
+    formed: ClassVar[bool] = False  # the distortion at which bonds formed matters
 
     def p(self, name: str, pts: Points) -> Floats:
         """A parameter as (1|n, 1)."""
@@ -57,6 +58,7 @@ class ExponentialDistortion(Relaxation):
     tau1: Number = 0.0
     alpha: Number = 1.0
     parameters = ("tau0", "tau1", "alpha")
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return np.exp(-t / (self.p("tau0", pts) + self.p("tau1", pts) * K2 ** self.p("alpha", pts)))
@@ -68,6 +70,7 @@ class ExponentialUser(Relaxation):
 
     tau: Curve | None = None
     properties = {"tau": Property("curve")}
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return np.exp(-t / self.tau(K2))  # type: ignore[misc]
@@ -87,8 +90,6 @@ class Fung(Relaxation):
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         a, b = self.p("tau1", pts), self.p("tau2", pts)
-        if a.size == b.size == 1 and (t == t[:1]).all():
-            t = t[:1]  # bonds of all points started to break together
         x = np.where(t > 0, t, 1.0)
         g = b * np.exp(-x / b) - a * np.exp(-x / a) + x * (expi(-x / b) - expi(-x / a))
         return np.where(t > 0, np.maximum(g / (b - a), 0.0), 1.0)
@@ -114,6 +115,7 @@ class _Distortion(Relaxation):
     beta1: Number = 0.0
     alpha: Number = 1.0
     parameters = ("tau0", "tau1", "beta0", "beta1", "alpha")
+    formed = True
 
     def _both(self, pts: Points, K2: Floats) -> tuple[Floats, Floats]:
         k = K2 ** self.p("alpha", pts)
@@ -137,6 +139,7 @@ class ParkUser(Relaxation):
     tau: Curve | None = None
     beta: Curve | None = None
     properties = {"tau": Property("curve"), "beta": Property("curve")}
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return 1.0 / (1.0 + (t / self.tau(K2)) ** self.beta(K2))  # type: ignore[misc]
@@ -170,6 +173,7 @@ class PowerUser(Relaxation):
     tau: Curve | None = None
     beta: Curve | None = None
     properties = {"tau": Property("curve"), "beta": Property("curve")}
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return (1.0 + t / self.tau(K2)) ** -self.beta(K2)  # type: ignore[misc]
@@ -250,6 +254,7 @@ class MalkinDistortion(Relaxation):
     t2s0: Number = 1.0
     beta: Number = 1.0
     parameters = ("t1c0", "t1c1", "t1s0", "t2c0", "t2c1", "t2s0", "beta")
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         tau = [
@@ -267,6 +272,7 @@ class MalkinUser(Relaxation):
     tau2: Curve | None = None
     beta: Curve | None = None
     properties = {"tau1": Property("curve"), "tau2": Property("curve"), "beta": Property("curve")}
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return malkin(t, self.tau1(K2), self.tau2(K2), self.beta(K2))  # type: ignore[misc]
@@ -297,6 +303,7 @@ class ExponentialSpectrumUser(Relaxation):
 
     tau: Curve | None = None
     properties = {"tau": Property("curve")}
+    formed = True
 
     def __call__(self, pts: Points, t: Floats, K2: Floats, rate: Floats) -> Floats:
         return exponential_spectrum(t, self.tau(K2))  # type: ignore[misc]

@@ -43,12 +43,12 @@ def central_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float 
 def secant_tangent(stress: Callable[[Points], Floats], pts: Points, eps: float = 1e-8) -> Floats:
     """c (n, 6, 6) from forward differences of S(E): dS/dE_kl pushed forward and divided by J.
 
-    ``stress(pts)`` returns the Cauchy stress (n, 6); it sees points turned back by the rotation R of F = R U,
-    with ``old`` and without ``new``, and must be frame indifferent.
+    ``stress(pts)`` returns the Cauchy stress (7 n, 6); it sees each point seven times, turned back by the rotation R of
+    F = R U and without a history, and must be frame indifferent.
     """
     n = pts.n
     U, Ui, J, c = np.empty((n, 7, 3, 3)), np.empty((7 * n, 3, 3)), np.empty(7 * n), np.zeros((n, 6, 6))
     stretched(pts.F, eps, U.reshape(-1, 3, 3), Ui, J)
-    s = np.ascontiguousarray(stress(states(pts, U, J, history=True)))
+    s = np.ascontiguousarray(stress(states(pts, U, J)))
     add_differences(s, Ui, J, pts.F, eps, np.empty_like(s), c)
     return c

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from febkit.solver.kernels.generations import since_birth
+from febkit.solver.kernels.generations import add_bonds, grow, since_birth
 
 
 def test_deformation_since_birth() -> None:
@@ -27,3 +28,72 @@ def test_deformation_since_birth() -> None:
             Ui, Ji = (U[i, g - 1], gen[i, g - 1, 1]) if born else (np.eye(3), 1.0)
             np.testing.assert_allclose(Fg[4 * i + k], F[i] @ np.linalg.inv(Ui), rtol=1e-12, atol=1e-14)
             assert np.isclose(Jg[4 * i + k], J[i] / Ji) and Jb[i, k] == Ji
+
+
+def _measure(F: np.ndarray, trigger: int) -> float:
+    if trigger == 0:
+        return float(np.linalg.norm(0.5 * (F.T @ F - np.eye(3))))
+    l = 0.5 * np.log(np.linalg.eigvalsh(F.T @ F))
+    return float(np.linalg.norm(l - l.mean()) if trigger == 1 else abs(l.sum()))
+
+
+def _stretch(F: np.ndarray) -> np.ndarray:
+    w, V = np.linalg.eigh(F.T @ F)
+    return (V * np.sqrt(w)) @ V.T
+
+
+def _row(F: np.ndarray, U: np.ndarray, t: float, fraction: float) -> np.ndarray:
+    return np.array([t, np.linalg.det(F), fraction, 1.0, _measure(U, 1), *U[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]])
+
+
+def _tensor(row: np.ndarray) -> np.ndarray:
+    return row[5:][[[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+
+@pytest.mark.parametrize("trigger", [0, 1, 2])
+@pytest.mark.parametrize("wmin", [0.0, 0.2])
+def test_generations_begin_and_merge_as_written(trigger: int, wmin: float) -> None:
+    """A list for each point, beside the kernel: what has begun, its fraction, what the first two become."""
+    rng, tau, dt, n, capacity = np.random.default_rng(6), 0.7, 0.25, 4, 12
+    d = 0.1 * rng.normal(size=(n, 3, 3))
+    still = np.arange(n) == 3  # does not move: nothing begins but the first
+    old = np.zeros((n, 10 + 11 * capacity))
+    lists: list[list[np.ndarray]] = [[] for _ in range(n)]
+    for step in range(1, 10):
+        t = step * dt
+        F = np.eye(3) + np.where(still, 1.0, step)[:, None, None] * d
+        J = np.linalg.det(F)
+        gen = old[:, 10:].reshape(n, capacity, 11)[:, : int(old[:, 0].max())]
+        w = np.ascontiguousarray(gen[:, :, 2] * np.exp(-(t - gen[:, :, 0]) / tau))
+        new = old.copy()
+        for again in (False, True):  # as a second iterate finds it
+            grow(F, J, t, old, w, np.ones(n), still & False, np.array([[wmin, 1e-3]]), trigger, wmin > 0.0, again, new)
+        for i, rows in enumerate(lists):
+            weights = [r[2] * np.exp(-(t - r[0]) / tau) for r in rows]
+            seen = F[i] @ np.linalg.inv(_tensor(rows[-1])) if rows else F[i]
+            if _measure(seen, trigger) > 1e-3 and 1.0 - sum(weights[:-1]) >= wmin:
+                rows.append(_row(F[i], _stretch(F[i]), t, 1.0 - sum(weights)))
+                if len(rows) >= 3 and weights[0] < wmin:
+                    mean = (weights[0] * rows[0] + weights[1] * rows[1]) / (weights[0] + weights[1])
+                    U = _tensor(mean)
+                    mean[1], mean[4] = np.linalg.det(U), _measure(U, 1)
+                    rows[:2] = [mean]
+            assert new[i, 0] == len(rows)
+            np.testing.assert_allclose(new[i, 10 : 10 + 11 * len(rows)], np.ravel(rows), rtol=1e-9, atol=1e-12)
+            np.testing.assert_array_equal(new[i, 1:10], F[i].ravel())
+        old = new
+    assert [len(rows) for rows in lists][3] == 1
+    assert len(lists[0]) == 9 if wmin == 0.0 else 2 < len(lists[0]) < 9  # some merged
+
+
+def test_sums_over_bonds() -> None:
+    rng = np.random.default_rng(2)
+    w, s, c = rng.normal(size=(3, 4)), rng.normal(size=(12, 6)), rng.normal(size=(12, 6, 6))
+    S, C, none, no = np.ones((3, 6)), np.ones((3, 6, 6)), np.empty((0, 6)), np.empty((0, 6, 6))
+    add_bonds(w, s, c, S, C)
+    np.testing.assert_allclose(S, 1.0 + np.einsum("ng,ngi->ni", w, s.reshape(3, 4, 6)))
+    np.testing.assert_allclose(C, 1.0 + np.einsum("ng,ngij->nij", w, c.reshape(3, 4, 6, 6)))
+    before = S.copy()
+    add_bonds(w, s, no, none, no)
+    add_bonds(w, s, no, S, no)
+    np.testing.assert_allclose(S - before, np.einsum("ng,ngi->ni", w, s.reshape(3, 4, 6)))
