@@ -12,7 +12,7 @@ import numpy as np
 
 from ..jit import kernel
 from .return_map import determinant, product
-from .tensors import eigen, left_cauchy_green, right_cauchy_green
+from .tensors import add_identity, eigen, left_cauchy_green, right_cauchy_green
 
 
 @kernel
@@ -147,6 +147,54 @@ def grow(F, J, t, old, w, share, slack, par, trigger, culls, again, new):
         new[i, 0] = count - shift + (1 if born else 0)
         for k in range(9):
             new[i, 1 + k] = F[i, k // 3, k % 3]
+
+
+@kernel
+def add_neo_hookean(F, J, gen, count, w, par, intact, rest, s, c):
+    """Add stress and tangent of neo-Hookean bonds, ``par`` (1|n, 2) E and v, as :func:`since_birth` and their law give.
+
+    ``gen`` (n, generation, 11), ``w`` (n, g) what each weighs, ``intact`` (n,) of all; ``rest``: no stress. Tangents of
+    generations differ by two numbers, stresses by F B F^T, B = sum_g k_g U_g^-2.
+    """
+    Ui, B = np.empty((3, 3)), np.empty((3, 3))
+    for i in range(len(J)):
+        m = i if len(par) > 1 else 0
+        E, v = par[m, 0], par[m, 1]
+        first, mu = E * v / ((1.0 + v) * (1.0 - 2.0 * v)), 0.5 * E / (1.0 + v)
+        k1 = k4 = pressure = shear = 0.0
+        for r in range(3):
+            for k in range(3):
+                B[r, k] = 0.0
+        for g in range(w.shape[1]):
+            if w[i, g] == 0.0:
+                continue
+            born = 0 < g < count[i]
+            Jb = gen[i, g - 1, 1] if born else 1.0
+            k, Jg = intact[i] * w[i, g] / Jb, J[i] / Jb
+            p, h = first * math.log(Jg) / Jg, mu / Jg
+            k1 += k * first / Jg
+            k4 += 2.0 * k * (h - p)
+            pressure += k * p
+            shear += k * h
+            if not born:
+                for r in range(3):
+                    B[r, r] += k * h
+                continue
+            inverse_of(gen[i, g - 1, 5:11], Ui)
+            for r in range(3):
+                for q in range(r + 1):
+                    B[r, q] += k * h * (Ui[r, 0] * Ui[q, 0] + Ui[r, 1] * Ui[q, 1] + Ui[r, 2] * Ui[q, 2])
+        if not rest:
+            for m in range(6):
+                r = m if m < 3 else (0 if m != 4 else 1)
+                k = m if m < 3 else (1 if m == 3 else 2)
+                for q in range(3):
+                    for l in range(3):
+                        s[i, m] += F[i, r, q] * B[max(q, l), min(q, l)] * F[i, k, l]
+                if m < 3:
+                    s[i, m] += pressure - shear
+        if len(c) > 0:
+            add_identity(c, i, k1, k4)
 
 
 @kernel

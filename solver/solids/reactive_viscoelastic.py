@@ -8,13 +8,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.generations import add_bonds, grow, since_birth, strain_measures
+from ..kernels.generations import add_bonds, add_neo_hookean, grow, since_birth, strain_measures
 from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten, wanted
 from .batches import states
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
 from .fiber import Fiber, UncoupledFiber
+from .neo_hookean import NeoHookean, NeoHookeanAD
 from .registry import register
 from .uncoupled import Uncoupled, distortional, distortional_energy
 from .voigt import matrix, norm
@@ -23,6 +24,7 @@ _HEAD = 10  # number of generations, F of the last state
 _EACH = 11  # per generation: v, J, f, recruited, K2, U
 _V, _J, _F, _R, _K = range(5)
 _U = slice(5, 11)
+_NEO_HOOKEAN = (NeoHookean, NeoHookeanAD)
 _NO_STRESS = np.empty((0, 6))
 _BATCH = 1 << 13  # points of all generations evaluated at a time
 Law = Callable[[Points, Floats, Floats | None], None]
@@ -66,7 +68,7 @@ class _Bonds:
     def room(self, pts: Points) -> None:
         at = self.offset  # type: ignore[attr-defined]
         if pts.old is not None and pts.old[:, at].max(initial=0) >= self.capacity:
-            self.take_room(_HEAD + 2 * self.capacity * _EACH)
+            self.take_room(_HEAD + (self.capacity + self.capacity // 2) * _EACH)
 
     def take_room(self, columns: int) -> None:
         self.capacity, self.history = (columns - _HEAD) // _EACH, columns
@@ -126,12 +128,17 @@ class _Bonds:
         grow(pts.F, pts.J, pts.t, old, w, share, slack, par, int(self.trigger), culls, pts.new is not None, new)
         return new[:, _HEAD:].reshape(n, self.capacity, _EACH), new[:, 0].copy(), rate
 
-    def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
-        """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
-        n, top = pts.n, max(int(count.max(initial=0)), 1)
+    def _fractions(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Floats:
+        """What each generation weighs (n, g), recruited bonds counted; all is of the first where there is none."""
+        top = max(int(count.max(initial=0)), 1)
         w = self._weights(pts, gen[:, :top], rate) * gen[:, :top, _R]
         w = np.where(np.arange(top) < count[:, None], w, 0.0)
         w[count == 0, 0] = 1.0
+        return w
+
+    def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
+        """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
+        n, w = pts.n, self._fractions(pts, gen, count, rate)
         used = np.flatnonzero((w != 0.0).any(0))
         step = 1 if self._remembers() else max(1, _BATCH // n)
         for a in range(0, len(used), step):
@@ -171,6 +178,10 @@ class _Bonds:
         gen, count, rate = self._advance(within, strong)
         intact = np.full(pts.n, 1.0)
         intact -= self.elastic.broken(within)  # type: ignore[union-attr]
+        if type(self.bond) in _NEO_HOOKEAN:
+            w, par = self._fractions(within, gen, count, rate), self.bond.par(within)  # type: ignore[union-attr]
+            add_neo_hookean(within.F, within.J, gen, count, w, par, intact, rest, s, wanted(c))
+            return
         bears = _NO_STRESS if rest else s
         for at, _, w, J in self._states(within, gen, count, rate):
             sb = np.zeros((at.n, 6))

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from febkit.solver.kernels.generations import add_bonds, grow, since_birth
+from febkit.solver.kernels.generations import add_bonds, add_neo_hookean, grow, since_birth
+from febkit.solver.points import Points
+from febkit.solver.solids.base import evaluate
+from febkit.solver.solids.registry import load
 
 
 def test_deformation_since_birth() -> None:
@@ -97,3 +100,25 @@ def test_sums_over_bonds() -> None:
     add_bonds(w, s, no, none, no)
     add_bonds(w, s, no, S, no)
     np.testing.assert_allclose(S - before, np.einsum("ng,ngi->ni", w, s.reshape(3, 4, 6)))
+
+
+def test_neo_hookean_bonds_are_those_of_the_law_since_birth() -> None:
+    rng = np.random.default_rng(7)
+    n, m = 3, 4
+    F, U = np.eye(3) + 0.2 * rng.normal(size=(n, 3, 3)), np.eye(3) + 0.1 * rng.normal(size=(n, m, 3, 3))
+    J, U = np.linalg.det(F), 0.5 * (U + np.swapaxes(U, -1, -2))
+    gen, count, w = np.zeros((n, m, 11)), np.array([4.0, 2.0, 0.0]), rng.uniform(0.1, 1.0, (n, m))
+    gen[:, :, 1] = np.linalg.det(U)
+    gen[:, :, 5:] = U[:, :, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    law, intact = load("solid", "neo-Hookean")(E=2.0, v=0.3), np.array([1.0, 0.5, 0.2])
+    Fg, Jg, Jb = np.empty((n * m, 3, 3)), np.empty(n * m), np.empty((n, m))
+    since_birth(F, J, gen, count, np.arange(m), 1, 5, Fg, Jg, Jb)
+    s, c = evaluate(law, Points.at(Fg))
+    want, got = ((np.zeros((n, 6)), np.zeros((n, 6, 6))) for _ in range(2))
+    add_bonds(intact[:, None] * w / Jb, s, c, *want)
+    add_neo_hookean(F, J, gen, count, w, np.array([[2.0, 0.3]]), intact, False, *got)
+    for a, b in zip(got, want, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-12)
+    s, c = np.zeros((n, 6)), np.zeros((0, 6, 6))
+    add_neo_hookean(F, J, gen, count, w, np.array([[2.0, 0.3]]), intact, True, s, c)
+    assert not s.any()
