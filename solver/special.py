@@ -45,3 +45,8 @@ def gammaincc(a: ArrayLike, x: ArrayLike) -> Floats:
 def expi(x: ArrayLike) -> Floats:
     """Exponential integral Ei(x)."""
     return _apply(special.expi, x)
+
+
+def k1(x: ArrayLike) -> Floats:
+    """Modified Bessel function of the second kind K1(x)."""
+    return _apply(special.k1, x)

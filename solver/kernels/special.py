@@ -123,3 +123,36 @@ def expi(x, out):
             out[i] = math.exp(v) / v * total
         else:
             out[i] = np.inf
+
+
+@kernel
+def k1(x, out):
+    """Modified Bessel function K1(x), x > 0: its series (Abramowitz & Stegun 9.6.11) or the integral (9.6.24).
+
+    The integrand exp(-x cosh t) cosh t falls so fast at both ends that the trapezoidal rule is exact to rounding.
+    """
+    for i in range(len(x)):
+        v = x[i]
+        if not v > 0.0:
+            out[i] = np.inf if v == 0.0 else np.nan
+        elif v <= 2.0:
+            q = 0.25 * v * v
+            term, psi = 1.0, 1.0 - 2.0 * 0.57721566490153286061  # psi(k + 1) + psi(k + 2)
+            first, second = 1.0, psi
+            for k in range(1, 40):
+                term *= q / (k * (k + 1.0))
+                psi += 1.0 / k + 1.0 / (k + 1.0)
+                first += term
+                second += term * psi
+                if term < EPS:
+                    break
+            out[i] = 1.0 / v + 0.5 * v * (math.log(0.5 * v) * first - 0.5 * second)
+        else:
+            h, total = min(0.2, 0.5 / math.sqrt(v)), 0.5
+            for k in range(1, MOST):
+                c = 2.0 * math.sinh(0.5 * k * h) ** 2  # cosh - 1
+                term = math.exp(-v * c) * (c + 1.0)
+                total += term
+                if term < EPS * total:
+                    break
+            out[i] = h * math.exp(-v) * total

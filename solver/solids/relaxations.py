@@ -13,7 +13,7 @@ import numpy as np
 
 from ..points import Points
 from ..record import variable_record
-from ..special import expi, gamma, gammaincc
+from ..special import expi, gamma, gammaincc, k1
 from ..values import as_value
 from .base import Floats, Number, Property
 from .registry import register
@@ -280,8 +280,6 @@ class MalkinUser(Relaxation):
 
 def exponential_spectrum(t: Floats, tau: Floats) -> Floats:
     """x K1(x), x = 2 (t/tau)^1/2, K1 the modified Bessel function."""
-    from scipy.special import k1
-
     x = 2.0 * np.sqrt(np.where(t > 0, t, 1.0) / tau)
     return np.where(t > 0, x * k1(x), 1.0)
 

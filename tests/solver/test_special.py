@@ -35,3 +35,9 @@ def test_exponential_integral_of_both_signs() -> None:
     np.testing.assert_allclose(special.expi(x), reference.expi(x), rtol=1e-12, atol=2e-16)
     assert special.expi(0.0) == -np.inf
     assert special.expi(-800.0) == 0.0
+
+
+def test_modified_bessel_function() -> None:
+    x = np.concatenate([X, [2.0 + 1e-15, 1.999, 3.7]])
+    np.testing.assert_allclose(special.k1(x), reference.k1(x), rtol=2e-14, atol=1e-300)
+    assert special.k1(0.0) == np.inf and np.isnan(special.k1(-1.0))
