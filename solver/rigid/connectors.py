@@ -156,7 +156,7 @@ class Connectors(Action):
         # multipliers of force and moment; a step that fails gives them back
         state.extra["multipliers"] = np.zeros((len(records), 6))
         self.penalties = np.array([c.penalties() for c in records]).reshape(-1, 2)
-        self._at, self._known = b"", dict[int, Jet]()  # a state, and the forces found there
+        self._at, self._known = b"", list[Jet]()  # a state, and the forces found there
 
     @property
     def symmetric(self) -> bool:
@@ -168,24 +168,26 @@ class Connectors(Action):
 
     def take(self, active: list[Connector], system: System) -> None:
         """The connectors of one analysis step, and its system."""
-        self.active, self.system = active, system
-        self._at = b""
+        self.active, self.system, self._at = active, system, b""
+        self.rows = np.array([self._rows(c) for c in active]).reshape(-1, 4)
 
     def _memory(self, c: Connector) -> Memory:
         k = self.records[id(c)]
         L = self.system.state.extra["multipliers"][k]
         return Memory(L[:3], L[3:], self.penalties[k])
 
-    def _forces(self, c: Connector) -> Jet:
-        """Forces and moments (12,) on both bodies; residual and tangent of an iteration ask for them at one state."""
+    def _forces(self) -> list[Jet]:
+        """Forces and moments (12,) on both bodies of each that is active; residual and tangent of an iteration ask for
+        them at one state."""
         at = self._state()
         if at != self._at:
-            self._at, self._known = at, {}
-        if id(c) not in self._known:
-            a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
-            F, Ma, Mb = (q.rows for q in c.wrench(a, b, self.system.state.time, self._memory(c)))
-            self._known[id(c)] = Jet(np.concatenate([F, Ma, -F, -Mb]))
-        return self._known[id(c)]
+            self._at, self._known = at, [self._force(c) for c in self.active]
+        return self._known
+
+    def _force(self, c: Connector) -> Jet:
+        a, b = Frame(self.system, c.a, 0), Frame(self.system, c.b, 6)
+        F, Ma, Mb = (q.rows for q in c.wrench(a, b, self.system.state.time, self._memory(c)))
+        return Jet(np.concatenate([F, Ma, -F, -Mb]))
 
     def _state(self) -> bytes:
         """All that forces depend on."""
@@ -202,19 +204,18 @@ class Connectors(Action):
         return np.array([ra, ra + 1, rb, rb + 1])
 
     def cliques(self) -> list[NDArray[np.int64]]:
-        return [np.stack([self._rows(c) for c in self.active])] if self.active else []
+        return [self.rows] if self.active else []
 
     def residual(self, state: State, R: Floats) -> None:
-        for c in self.active:
-            rows = self._rows(c)
-            np.add.at(state.layout.u(R), rows, self._forces(c).v.reshape(4, 3))
+        if self.active:
+            forces = np.array([q.v for q in self._forces()])
+            np.add.at(state.layout.u(R), self.rows.reshape(-1), forces.reshape(-1, 3))
 
     def stiffness(self, state: State, groups: Any = None) -> list[tuple[Floats, Any, Any]]:
         if not self.active:
             return []
-        K = np.stack([-self._forces(c).d for c in self.active])
-        nodes = np.stack([np.repeat(self._rows(c), 3) for c in self.active])
-        return [(K, nodes, np.tile(state.layout.displacement, 4))]
+        K = -np.array([q.d for q in self._forces()])
+        return [(K, self.rows.repeat(3, axis=1), np.tile(state.layout.displacement, 4))]
 
     def augment(self, done: int, state: State) -> bool:
         return all([c.augment(self.system, done, self._memory(c)) for c in self.active])  # noqa: C419 (all of them)

@@ -149,6 +149,7 @@ class Frame:
         self.s, self.system, self.slot, self.alpha = s, system, slot, system.alphaf
         self.body, self.row = bodies.bodies[body], int(bodies.rows[body])
         self.q, self.q_old = s.extra["q"][body], s.extra["q_old"][body]
+        self._arms: dict[tuple[int, float], tuple[Floats, Jet]] = {}
 
     def _jet(self, now: Floats, old: Floats, shift: Floats | None, turn: Floats | None) -> Jet:
         a, k = self.alpha, 1 + self.slot
@@ -172,7 +173,10 @@ class Frame:
 
     def arm(self, X: Floats) -> Jet:
         """From the centre to the body's point that was at X."""
-        return self.vector(X - self.body.centre)
+        at = id(X), self.alpha
+        if at not in self._arms:
+            self._arms[at] = X, self.vector(X - self.body.centre)
+        return self._arms[at][1]
 
     def turn(self) -> Jet:
         """The rotation, as a quaternion (not of length 1 between two times)."""
