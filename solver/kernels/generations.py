@@ -64,6 +64,39 @@ def merged(old, w, count, wmin):
 
 
 @kernel
+def ages(gen, t, out):
+    """Times out (n, g) since generations started to break, 0 before; are they those of the first point everywhere?"""
+    same = True
+    for i in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            out[i, k] = max(t - gen[i, k, 0], 0.0)
+            same = same and out[i, k] == out[0, k]
+    return same
+
+
+@kernel
+def fractions(gen, t, g, before, count, out):
+    """Mass fractions out (n, m) of generations that have relaxed to g (1|n, m).
+
+    Where ``before`` (1|n, m - 1) has rows they are of type II: it holds what the generation before each would have
+    relaxed to, had it formed in the same state. ``count`` (0|n,): recruited bonds count, and the generations there
+    are; all is of the first where there is none.
+    """
+    for i in range(out.shape[0]):
+        a, b = i if len(g) > 1 else 0, i if len(before) > 1 else 0
+        for k in range(out.shape[1]):
+            if len(before) == 0:
+                x = gen[i, k, 2] * g[a, k] if t >= gen[i, k, 0] else 0.0
+            else:
+                x = g[a, k] - before[b, k - 1] if k > 0 else g[a, k]
+            if len(count) > 0:
+                x = x * gen[i, k, 3] if k < count[i] else 0.0
+            out[i, k] = x
+        if len(count) > 0 and count[i] == 0.0:
+            out[i, 0] = 1.0
+
+
+@kernel
 def there(old, new, count, shift):
     """Did an earlier iterate leave the generations of ``old``, past the first where they are shifted, in ``new``?"""
     a, b = 10 + 11 * shift, 11 * (count - shift) - 1  # the times at which the first and the last start to break

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..jit import kernel
-from .tensors import eigen
+from .tensors import eigen, right_cauchy_green
 
 
 @kernel
@@ -259,3 +259,15 @@ def mises(s, measure, gradient):
             for r in range(3):
                 for k in range(3):
                     g[r, k] = 1.0 if r == k else 0.0
+
+
+@kernel
+def octahedral(F, out):
+    """Octahedral shear strain (2/3 dev E : dev E)^1/2 of deformation gradients F (n, 3, 3), out (n,)."""
+    a = np.empty(6)
+    for i in range(len(out)):
+        right_cauchy_green(F, i, 0.5, a)
+        mean = (a[0] + a[1] + a[2]) / 3.0
+        x, y, z = a[0] - mean, a[1] - mean, a[2] - mean
+        shear = a[3] * a[3] + a[4] * a[4] + a[5] * a[5]
+        out[i] = math.sqrt((x * x + y * y + z * z + 2.0 * shear) / 1.5)

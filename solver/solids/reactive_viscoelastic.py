@@ -8,7 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.generations import add_bonds, add_neo_hookean, grow, since_birth, strain_measures
+from ..kernels.generations import (
+    add_bonds,
+    add_neo_hookean,
+    ages,
+    fractions,
+    grow,
+    since_birth,
+    strain_measures,
+)
 from ..matrices import inv
 from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten, wanted
@@ -25,7 +33,7 @@ _EACH = 11  # per generation: v, J, f, recruited, K2, U
 _V, _J, _F, _R, _K = range(5)
 _U = slice(5, 11)
 _NEO_HOOKEAN = (NeoHookean, NeoHookeanAD)
-_NO_STRESS = np.empty((0, 6))
+_ALL, _NONE_BEFORE, _NO_STRESS = np.empty(0), np.empty((0, 0)), np.empty((0, 6))
 _BATCH = 1 << 13  # points of all generations evaluated at a time
 Law = Callable[[Points, Floats, Floats | None], None]
 
@@ -73,18 +81,16 @@ class _Bonds:
     def take_room(self, columns: int) -> None:
         self.capacity, self.history = (columns - _HEAD) // _EACH, columns
 
-    def _weights(self, pts: Points, gen: Floats, rate: Floats) -> Floats:
-        """Mass fraction of each generation (n, capacity) as if all existed."""
-        dtv, K = pts.t - gen[:, :, _V], gen[:, :, _K]
-        t = np.maximum(dtv, 0.0)
-        if not (self.relaxation.rated or self.relaxation.formed) and (t == t[:1]).all():
+    def _weights(self, pts: Points, gen: Floats, rate: Floats, count: Floats = _ALL) -> Floats:
+        """Mass fraction of each generation (n, capacity) as if all existed, or :func:`..kernels.generations.fractions`
+        of ``count`` of them."""
+        t, K, before = np.empty(gen.shape[:2]), gen[:, :, _K], _NONE_BEFORE
+        if ages(gen, pts.t, t) and not (self.relaxation.rated or self.relaxation.formed):
             t = t[:1]  # bonds of all points started to break together, and break alike
-        g = self.relaxation(pts, t, K, rate)
-        if self.kinetics == 1:
-            return np.where(dtv >= 0, gen[:, :, _F] * g, 0.0)
-        out = np.array(np.broadcast_to(g, dtv.shape))
-        before = self.relaxation(pts, t[:, :-1], K[:, 1:], rate)
-        out[:, 1:] -= before
+        if self.kinetics == 2:
+            before = np.ascontiguousarray(self.relaxation(pts, t[:, :-1], K[:, 1:], rate))
+        out = np.empty(gen.shape[:2])
+        fractions(gen, pts.t, np.ascontiguousarray(self.relaxation(pts, t, K, rate)), before, count, out)
         return out
 
     def _reforming(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Floats:
@@ -123,18 +129,14 @@ class _Bonds:
         par, share = self.par(pts), np.ones(n)  # type: ignore[attr-defined]
         if self.recruitment is not None:
             share[:] = self.recruitment(pts, self._scalar(pts.F))
-        w = np.ascontiguousarray(self._weights(pts, gen[:, :top], rate))
+        w = self._weights(pts, gen[:, :top], rate)
         slack, culls = self._slack(pts, strong), bool(par[:, 0].any())
         grow(pts.F, pts.J, pts.t, old, w, share, slack, par, int(self.trigger), culls, pts.new is not None, new)
         return new[:, _HEAD:].reshape(n, self.capacity, _EACH), new[:, 0].copy(), rate
 
     def _fractions(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Floats:
         """What each generation weighs (n, g), recruited bonds counted; all is of the first where there is none."""
-        top = max(int(count.max(initial=0)), 1)
-        w = self._weights(pts, gen[:, :top], rate) * gen[:, :top, _R]
-        w = np.where(np.arange(top) < count[:, None], w, 0.0)
-        w[count == 0, 0] = 1.0
-        return w
+        return self._weights(pts, gen[:, : max(int(count.max(initial=0)), 1)], rate, count)
 
     def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
         """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""

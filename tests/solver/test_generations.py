@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from febkit.solver.kernels.generations import add_bonds, add_neo_hookean, grow, since_birth
+from febkit.solver.kernels.generations import add_bonds, add_neo_hookean, ages, fractions, grow, since_birth
 from febkit.solver.points import Points
 from febkit.solver.solids.base import evaluate
 from febkit.solver.solids.registry import load
@@ -122,3 +122,22 @@ def test_neo_hookean_bonds_are_those_of_the_law_since_birth() -> None:
     s, c = np.zeros((n, 6)), np.zeros((0, 6, 6))
     add_neo_hookean(F, J, gen, count, w, np.array([[2.0, 0.3]]), intact, True, s, c)
     assert not s.any()
+
+
+def test_fractions_of_both_types() -> None:
+    """f_g g(t - v_g), and g(t - v_g; K_g) - g(t - v_(g-1); K_g)."""
+    rng = np.random.default_rng(8)
+    gen, age = rng.uniform(0.5, 1.0, (2, 3, 11)), np.empty((2, 3))
+    gen[:, :, 0] = [0.1, 0.4, 0.9]
+    assert ages(gen, 0.5, age)
+    np.testing.assert_allclose(age, [[0.4, 0.1, 0.0]] * 2)
+    gen[1, 2, 0] = 0.3
+    assert not ages(gen, 0.5, age)
+    g, before, out = np.exp(-age), np.exp(-2.0 * age[:, :2]), np.empty((2, 3))
+    all_, none = np.empty(0), np.empty((0, 0))
+    fractions(gen, 0.5, g, none, all_, out)
+    np.testing.assert_allclose(out, np.where(gen[:, :, 0] <= 0.5, gen[:, :, 2] * g, 0.0))
+    fractions(gen, 0.5, g[:1].copy(), before, all_, out)
+    np.testing.assert_allclose(out, g[0] - np.hstack([np.zeros((2, 1)), before]))
+    fractions(gen, 0.5, g, none, np.array([2.0, 0.0]), out)
+    np.testing.assert_allclose(out, [[*(gen[0, :2, 2] * g[0, :2] * gen[0, :2, 3]), 0.0], [1.0, 0.0, 0.0]])

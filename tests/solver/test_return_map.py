@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from febkit.solver.kernels.return_map import mises, newton, parabola_root, place, polar
+from febkit.solver.kernels.return_map import mises, newton, octahedral, parabola_root, place, polar
 from febkit.solver.points import Points
 from febkit.solver.solids.base import evaluate
 from febkit.solver.solids.plastic_flow import Trial
@@ -114,3 +114,12 @@ def test_stress_of_the_base_is_on_the_line() -> None:
     out = np.empty(4)
     mises(s, out, np.empty((0, 3, 3)))
     np.testing.assert_allclose(K, out, rtol=1e-12)
+
+
+def test_octahedral_shear_strain() -> None:
+    F, out = near_identity(4, 0.3), np.empty(4)
+    octahedral(F, out)
+    E = 0.5 * (np.swapaxes(F, 1, 2) @ F - np.eye(3))
+    l = np.linalg.eigvalsh(E)
+    apart = (l[:, 0] - l[:, 1]) ** 2 + (l[:, 1] - l[:, 2]) ** 2 + (l[:, 2] - l[:, 0]) ** 2
+    np.testing.assert_allclose(out, np.sqrt(2.0) / 3.0 * np.sqrt(apart), rtol=1e-12)
