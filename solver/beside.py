@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .changes import Changes
 from .group import Group
 from .kernels import variations
+from .kernels.vectors import put_times
 from .schedule import Share
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class Beside:
     def first(self, some: Sequence[Variation]) -> list[Floats]:
         """By how much residuals (row,) of variations differ from the run's, at their present nodal values."""
         base = self.base
-        D = np.array([v.state.d - base.state.d for v in some])
+        D = self._apart(some)
         R = self._pass(D, [self._changes(k, some, D) for k in range(len(base.groups))])
         for v, inner in zip(some, R):
             v.inner = inner.copy() if self.loaded else inner
@@ -70,7 +71,7 @@ class Beside:
         """Add to ``inner`` of variations what their last corrections do."""
         D = np.zeros((len(some), *self.base.state.d.shape))
         for v, d in zip(some, D):
-            self.system.spread(v.ahead, d)
+            put_times(self.system.eqs.free_places, v.delta, v.u, d.reshape(-1))
         none = np.full(len(some), -1, np.int64)
         own = [Changes(self._own(g, D), [], none, np.zeros((len(some), g.m, g.g))) for g in self.base.groups]
         for v, more in zip(some, self._pass(D, own)):
@@ -81,8 +82,13 @@ class Beside:
         self.correct(some)
         for v in some:
             v.reacted = True
+            v.alight()
             if v.state.layout.moves:
                 v.state.reaction = self.base.state.reaction - v.state.layout.u(v.inner)
+
+    def _apart(self, some: Sequence[Variation]) -> Floats:
+        """By how much nodal values (v, node, column) differ."""
+        return np.array([v.D if v.rides else v.state.d - self.base.state.d for v in some])
 
     @property
     def loaded(self) -> bool:
@@ -128,7 +134,7 @@ class Beside:
     # ---- the step's end ---------------------------------------------------------------------------
     def volumes(self, some: Sequence[Variation]) -> None:
         """Tell variations by how much relative volumes (m, g) of theirs differ from the run's, where these matter."""
-        D = np.array([v.state.d - self.base.state.d for v in some])
+        D = self._apart(some)
         for k, g in enumerate(self.base.groups):
             dJ = np.zeros((len(some), g.m, g.g))
             if g.physics.rates() and not self.system.steady:

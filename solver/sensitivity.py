@@ -123,6 +123,7 @@ class Sensitivities(Listener):
         for v in self.live:
             v.enter()
             v.beside = self._beside.serves(v)
+            v.rides = v.beside and v.light and not self._beside.loaded
         layout, column = run.system.layout, run.system.eqs.column[run.newton.rows]
         self._fields = [layout.equations(f, column) for f in layout.normed]
         self._sizes = np.zeros(len(self._fields))

@@ -263,7 +263,7 @@ class System:
             self.rotations.move(s, increment, u)
         if self.constraints is not None:
             self.constraints.enforce(s)
-        self._rates()
+        self.set_rates()
 
     def _keep_positive(self) -> None:
         """Free concentrations below zero are taken as zero; the equations keep what they had (as in FEBio)."""
@@ -291,7 +291,8 @@ class System:
             for g in self.groups:
                 g.physics.settle()
 
-    def _rates(self) -> None:
+    def set_rates(self) -> None:
+        """Velocities and accelerations at the present nodal values."""
         s = self.state
         if self.dynamic:
             du = s.u - s.u_old

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .alike import alike
 from .forecast import Forecast
 from .group import Group
-from .kernels.vectors import put_sum
+from .kernels.vectors import put_difference, put_sum, put_times
 from .newton import Counts, Newton
 from .problem import Problem
 from .route import Route
@@ -36,6 +36,8 @@ class Variation(Run):
     end of a step, or once they are asked for. Group by group, ``differs``: are stresses and other laws not the base's;
     ``swelled``: by how much relative volumes (m, g) differ from the base's as the step begins, ``swells``: as it ends;
     ``inner``: by how much forces of all elements (node, column) do; ``reacted``: reactions are those of the step's end.
+    Where nothing acts beside the elements it ``rides`` on the base: D (node, column) is all that it keeps of its nodal
+    values, by how much they differ from the base's, until these are asked for.
     """
 
     def __init__(self, problem: Problem, delta: float, base: Run) -> None:
@@ -43,8 +45,10 @@ class Variation(Run):
         self.base, self.delta, self.team = base, delta, base.team
         self.lost, self.usual = "", 1.0
         self._waits: tuple[Floats, ...] = ()  # how to place the state where the last step ended
-        self.beside = self.reacted = False
-        self.x = np.zeros(0)
+        self.beside = self.rides = self.reacted = False
+        self._late = False  # do nodal values that ride wait to be asked for?
+        self.x = self.u = np.zeros(0)
+        self.D = self.D_old = np.zeros_like(self.state.d)
         self.inner = np.zeros_like(self.state.d)
 
     def _set_up(self) -> None:
@@ -81,6 +85,7 @@ class Variation(Run):
         pairs = list(zip(self.groups, self.base.groups))
         self.differs = [_differs(a, b) for a, b in pairs]
         self.swells = [a.J - b.J for a, b in pairs]
+        self.D = self.state.d - self.base.state.d
 
     @property
     def acting(self) -> list[Part]:
@@ -91,6 +96,8 @@ class Variation(Run):
         """Begin the time step that the base has taken; the first place to look is where :mod:`.forecast` has it."""
         system, n, base = self.system, self.newton, self.base
         assert system is not None and base.system is not None
+        if self.rides:
+            return self._board(beside, bend)
         if self._waits and not self.beside:
             system.place(*self._waits)
             for g in (g for g in self.groups if g.deforms):
@@ -107,6 +114,17 @@ class Variation(Run):
                 own.restore(_led(own.snapshot(), led.snapshot()))
         system.progress.iterations = base.system.progress.iterations
         self._head(self._forecast(self.state.dt, beside, bend))
+
+    def _board(self, beside: Floats, bend: Floats) -> None:
+        """Begin a step that rides on the base's."""
+        s, of_base, eqs = self.state, self.base.state, self.newton.system.eqs
+        s.time, s.dt, self._late = of_base.time, of_base.dt, False
+        self.newton.aim()
+        self.swelled, self.swells = self.swells, list(self.swells)
+        self.D_old, self.D = self.D, self.D.copy()
+        given = self.newton.target.reshape(-1), of_base.d.reshape(-1)
+        put_difference(eqs.given_places, *given, self.D.reshape(-1))
+        self.x = self._forecast(s.dt, beside, bend).copy()
 
     def again(self) -> None:
         """The base has gone on within the step, with new multipliers: look where it is now."""
@@ -134,6 +152,9 @@ class Variation(Run):
     def correct(self, u: Floats) -> None:
         """Add u (row,) to x."""
         self.x += u
+        self.u = u
+        if self.rides:
+            return
         self.ahead = np.zeros_like(self.newton.total)
         put_sum(self.newton.rows, self.ahead, self.delta, u, self.ahead)
 
@@ -154,7 +175,9 @@ class Variation(Run):
 
     def stay(self) -> None:
         """Move as corrected, for good: once it is asked for, where steps begin from no more than a deformation."""
-        n, self.reacted = self.newton, False
+        n, self.reacted, self._late = self.newton, False, self.rides
+        if self.rides:
+            return self._place()
         if not self.light:
             n.move(self.ahead)
         elif self.beside:
@@ -167,20 +190,23 @@ class Variation(Run):
 
     def _place(self) -> None:
         n = self.newton
-        assert self.system is not None
-        self.system.place(n.total, n.increment, self.ahead, n.target)
+        if self.rides:
+            return put_times(n.system.eqs.free_places, self.delta, self.x, self.D.reshape(-1))
+        n.system.place(n.total, n.increment, self.ahead, n.target)
 
     def take(self) -> None:
         """The correction is part of what the step has grown by."""
-        assert self.system is not None
-        self.newton.increment = self.system.compose(self.newton.increment, self.ahead)
-        self.system.settle()
+        n = self.newton
+        if not self.rides:
+            n.increment = n.system.compose(n.increment, self.ahead)
+            n.system.settle()
 
     def end(self) -> None:
         """The time step ends."""
         self._forecast.learn(self.state.dt, self.x)
         self.grown = self.grown + self.x
-        self.newton.finish()
+        if not self.rides:
+            self.newton.finish()
 
     def show(self) -> None:
         """Bring all up to date with the end of the last step, stresses and reactions too."""
@@ -190,20 +216,31 @@ class Variation(Run):
 
     @property
     def behind(self) -> bool:
-        """Do nodal values alone stand where the last step ended, and may they serve as they are?"""
-        return self.beside and bool(self._waits)
+        """Do elements stand where an earlier step ended, though nodal values may serve as they are?"""
+        return self._late or (self.beside and bool(self._waits))
+
+    def alight(self) -> None:
+        """Nodal values that ride on the base's take their places."""
+        s, of_base = self.state, self.base.state
+        if self._late:
+            s.d, s.d_old = of_base.d + self.D, of_base.d_old + self.D_old
+            self.newton.system.set_rates()
 
     def _renew(self) -> None:
         """Bring elements up to date with the end of the last step."""
-        if not self._waits:
+        if not (self._late or self._waits):
             return
         assert self.system is not None
         if self.beside:
             for g, b, more in zip(self.groups, self.base.groups, self.swelled):
                 for (own, _), (of_base, _) in zip(g.physics.rates(), b.physics.rates()):
                     own[...] = of_base + more
-        self.system.set(*self._waits)
-        self._waits = ()
+        if self._late:
+            self.alight()
+            self.system.update()
+        else:
+            self.system.set(*self._waits)
+        self._waits, self._late = (), False
 
     def _swelled(self) -> list[Floats]:
         """By how much relative volumes (m, g) differ from the base's where the present step began."""

@@ -87,6 +87,20 @@ def add(c, a, out):
 
 
 @kernel
+def put_times(places, c, a, out):
+    """out[places] = c a, for flat arrays."""
+    for i in range(len(places)):
+        out[places[i]] = c * a[i]
+
+
+@kernel
+def put_difference(places, a, b, out):
+    """out = a - b at places, for flat arrays."""
+    for i in range(len(places)):
+        out[places[i]] = a[places[i]] - b[places[i]]
+
+
+@kernel
 def put_sum(rows, a, c, b, out):
     """out[rows] = a[rows] + c b."""
     for i in range(len(rows)):
