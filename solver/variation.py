@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .alike import alike
 from .forecast import Forecast
 from .group import Group
-from .kernels.vectors import put_difference, put_sum, put_times
+from .kernels.vectors import put_difference, put_sum
 from .newton import Counts, Newton
 from .problem import Problem
 from .route import Route
@@ -191,7 +191,8 @@ class Variation(Run):
     def _place(self) -> None:
         n = self.newton
         if self.rides:
-            return put_times(n.system.eqs.free_places, self.delta, self.x, self.D.reshape(-1))
+            free, before, now = n.system.eqs.free_places, self.D_old.reshape(-1), self.D.reshape(-1)
+            return put_sum(free, before, self.delta, self.x, now)
         n.system.place(n.total, n.increment, self.ahead, n.target)
 
     def take(self) -> None:

@@ -89,11 +89,14 @@ def test_elements_beside_the_runs(kind: str, of: dict[str, Any], monkeypatch: py
     assert all(v.beside for v in s.all)
     nodal, _ = derivatives(kind, nodal=True, **of)
     monkeypatch.setattr(Beside, "serves", lambda self, v: False)
-    own, s = derivatives(kind, **of)
-    assert not any(v.beside for v in s.all)
+    own, plain = derivatives(kind, **of)
+    assert not any(v.beside for v in plain.all)
+    assert all(v.rides != bool(of) for v in s.all)
     assert_same(beside, own)
     assert_same(nodal, own)
-    assert of or s.all[0].light
+    assert s.passes <= 1.1 * plain.passes
+    for v, w in zip(s.all, plain.all):
+        np.testing.assert_allclose(v.grown, w.grown, rtol=0, atol=2e-5 * max(np.abs(w.grown).max(), 1e-3))
 
 
 def test_threads_share_the_elements(monkeypatch: pytest.MonkeyPatch) -> None:
