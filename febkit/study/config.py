@@ -81,8 +81,8 @@ class Study:
     """A study: models, cases, methods, points and seeds; ``folder`` is where its results live.
 
     ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] names no list.
-    ``depths`` and ``zone_of`` belong to the points, where depths are known and there are zones. ``tissues`` are the
-    tissue by case; ``embedded`` what the control has beside the cells' parameters.
+    ``depths`` and ``zone_of`` belong to the points, where depths are known and there are zones. ``tissues`` are for each
+    variant the tissue by case; ``embedded`` what the control has beside the cells' parameters.
     """
 
     file: Path
@@ -93,7 +93,7 @@ class Study:
     control: bool
     points: tuple[Point, ...]
     seeds: tuple[int | None, ...]
-    tissues: Mapping[str, Mapping[str, Any]]
+    tissues: tuple[Mapping[str, Mapping[str, Any]], ...]
     cell: Mapping[str, Any]
     embedded: Mapping[str, Any]
     coupling: Mapping[str, Any]
@@ -114,8 +114,19 @@ class Study:
 
     @property
     def tissue(self) -> Mapping[str, Any]:
-        """The tissue of the first case."""
-        return self.tissues[self.loads[0].name]
+        """The tissue of the first case and variant."""
+        return self.tissues[0][self.loads[0].name]
+
+    def every_tissue(self) -> dict[str, Mapping[str, Any]]:
+        """All tissues, by case and, where there are several, variant."""
+        if not self.differ("tissue"):
+            return dict(self.tissues[0])
+        pairs = zip(self.variants, self.tissues, strict=True)
+        return {f"{case} {v.name}": t for v, tissues in pairs for case, t in tissues.items()}
+
+    def differ(self, *models: str) -> bool:
+        """Do the variants differ in any of these models: "cell", "embedded", "tissue"?"""
+        return any(getattr(v, m) for v in self.variants for m in models)
 
     def zone(self, point: int) -> Zone | None:
         return self.zones[self.zone_of[point]] if self.zones else None
@@ -172,6 +183,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     methods = tuple(Method.parse(m, where) for m in top.listed("methods", ["1", "2"]))
     if len({m.name for m in methods}) < len(methods):
         raise InputError("a method is given twice", where)
+    variants = models.variants(top)
     study = Study(
         file=path,
         folder=home / top.text("folder", "") if _told(overrides) else own,
@@ -181,7 +193,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         control=top.flag("control", published or "embedded" in t),
         points=points.rows,
         seeds=seeds,
-        tissues=models.tissues(tissue, loads, home, where),
+        tissues=tuple(models.tissues(tissue, loads, v, home, where) for v in variants),
         cell=models.located(cell, "cell", home, where),
         embedded=models.located(embedded, "embedded", home, where),
         coupling=coupling | units,
@@ -190,7 +202,7 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
         keep=run.choice("keep", "all", ("all", "metrics")),
         listed=points.listed,
         zones=models.zones(top, home),
-        variants=models.variants(top),
+        variants=variants,
         background=background,
         instantaneous=top.positive("instantaneous", 0.0) if "instantaneous" in t else None,
     )
@@ -200,9 +212,10 @@ def read(path: str | Path, overrides: Sequence[str] = ()) -> Study:
 def _deep(study: Study, points: Points, where: Where) -> Study:
     """With depths and zones of the points, where something asks for them; points outside the tissue are refused."""
     plain = points.listed and not study.zones
-    if plain and points.rows == (CENTRE,) and all(models.central(t) for t in study.tissues.values()):
+    tissues = study.every_tissue()
+    if plain and points.rows == (CENTRE,) and all(models.central(t) for t in tissues.values()):
         return study  # no mesh is needed to know that it is inside
-    columns = depth.columns(study.tissues, where)
+    columns = depth.columns(tissues, where)
     if not points.said:
         depth.check_centre(columns, where)
     if plain:

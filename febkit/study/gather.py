@@ -178,10 +178,11 @@ def coordinates(plan: Plan) -> dict[str, Any]:
         out["depth"] = ("point", np.array(depths), text)
     if study.zones:
         out["zone"] = ("point", [study.zones[k].name for k in study.zone_of])
-    for name in study.variants[0].cell if "variant" in out else ():
-        own = [v.cell[name] for v in study.variants]
-        if all(isinstance(x, int | float) and not isinstance(x, bool) for x in own):
-            out[f"variant_{name}"] = ("variant", own)
+    for table in ("cell", "tissue") if "variant" in out else ():
+        for name in getattr(study.variants[0], table):
+            own = [getattr(v, table)[name] for v in study.variants]
+            if all(isinstance(x, int | float) and not isinstance(x, bool) for x in own):
+                out[f"variant_{name}" if table == "cell" else f"variant_{table}_{name}"] = ("variant", own)
     return out
 
 
@@ -197,7 +198,7 @@ def _depths(plan: Plan) -> tuple[float, ...]:
         return ()
     where = Where(str(study.file))
     try:
-        return placed(Points(study.points), columns(study.tissues, where), where)[1]
+        return placed(Points(study.points), columns(study.every_tissue(), where), where)[1]
     except InputError:  # a point outside fails where its series is made, and is named there
         return ()
 

@@ -66,21 +66,24 @@ def _own(e: Entries, name: str) -> Case:
     return Case(name, both | given(e, "tissue"), both | given(e, "embedded"))
 
 
-def tissues(base: Table, cases: tuple[Case, ...], home: Path, where: Where) -> dict[str, Table]:
-    """The tissue of each case: its table with what the case changes, checked."""
+def tissues(base: Table, cases: tuple[Case, ...], variant: Variant, home: Path, where: Where) -> dict[str, Table]:
+    """The tissue of each case: its table with what the case and the variant change, checked."""
     out: dict[str, Table] = {}
     for c in cases:
         own = located(c.tissue, f"cases.{c.name}.tissue", home, where)
+        own |= located(variant.tissue, "variants.tissue", home, where)
         if "file" in base and "file" not in own and set(own) - {"case", "results"}:
             raise InputError(
-                f"[tissue] is a file, which takes no parameters: case {c.name} can only name another file, "
+                f"[tissue] is a file, which takes no parameters: case {c.name}{' or a variant' if variant.tissue else ''} "
+                "can only name another file, "
                 f"not {', '.join(own)}",
                 where,
             )
         table = dict(own) if "file" in own else {**base, **own}
         if "file" not in table:
             table = with_rows(table, home, where)
-            check(table, "tissue", where, *([f"cases.{c.name}"] if set(c.tissue) - {"case"} else []))
+            others = [f"cases.{c.name}"] if set(c.tissue) - {"case"} else []
+            check(table, "tissue", where, *others, *(["variants.tissue"] if variant.tissue else []))
         out[c.name] = table
     return out
 
@@ -231,42 +234,47 @@ def zone_at(found: tuple[Zone, ...], depth: float, what: str, where: Where) -> i
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One of several models of the cells that a study compares, by what it changes of [cell] and of the control."""
+    """One of several models that a study compares, by what it changes of [cell], of the control and of the tissue."""
 
     name: str
     cell: Table = field(default_factory=dict)
     embedded: Table = field(default_factory=dict)
+    tissue: Table = field(default_factory=dict)
 
 
 def variants(top: Entries) -> tuple[Variant, ...]:
-    """[variants]: lists of parameters of [cell], all as long, one model for each entry; [variants.embedded] likewise
-    of the control; ``names`` says what they are called, else the first list does."""
+    """[variants]: lists of parameters of [cell], all as long, one model for each entry; [variants.embedded] and
+    [variants.tissue] likewise of the control and the tissue; ``names`` says what they are called, else the first list
+    does."""
     t = top.table("variants")
-    own = t.table("embedded")
-    cell = {k: v for k, v in t.given.items() if k not in ("names", "embedded")}
-    lists = {**cell, **{f"embedded.{k}": v for k, v in own.given.items()}}
     if not t.given:
         return (Variant(""),)
-    if not cell:
-        raise InputError("[variants] needs lists of parameters of [cell], as edge = [0.05, 0.1]", t.where)
-    first, given = next(iter(cell.items()))
+    others = {name: t.table(name).given for name in ("embedded", "tissue")}
+    cell = {k: v for k, v in t.given.items() if k not in ("names", *others)}
+    lists = {**cell, **{f"{name}.{k}": v for name, own in others.items() for k, v in own.items()}}
+    if not cell and not others["tissue"]:
+        raise InputError(
+            "[variants] needs lists of parameters of [cell], as edge = [0.05, 0.1], or in [variants.tissue] of [tissue]",
+            t.where,
+        )
+    first, given = next((k, v) for k, v in lists.items() if not k.startswith("embedded."))
     if not isinstance(given, list) or not given:
         raise InputError(f"{first} of [variants] must be a list with an entry for each variant, not {given!r}", t.where)
     length = len(given)
     for k, v in lists.items():
-        if k == "seed":
-            raise InputError("seed of [variants]: seeds are those of [cell], for all variants", t.where)
+        if k.rpartition(".")[2] == "seed":
+            raise InputError(f"{k} of [variants]: seeds are those of [cell], for all variants", t.where)
         if not isinstance(v, list) or not v or len(v) != length:
             raise InputError(
                 f"{k} of [variants] must be a list as long as {first}, one entry for each variant, not "
                 f"{v!r}",
                 t.where,
             )
-    names = [str(n) for n in t.listed("names", [f"{first} {_short(v)}" for v in cell[first]])]
+    names = [str(n) for n in t.listed("names", [f"{first.replace('.', ' ')} {_short(v)}" for v in given])]
     if len(names) != length or len(set(names)) < length:
         raise InputError(f"names of [variants] must be {length} different ones", t.where)
     return tuple(
-        Variant(n, {p: v[k] for p, v in cell.items()}, {p: v[k] for p, v in own.given.items()})
+        Variant(n, *({p: v[k] for p, v in own.items()} for own in (cell, *others.values())))
         for k, n in enumerate(names)
     )
 

@@ -27,6 +27,10 @@ ALIKE = (3 / 4, 4 / 3)  # order 2 over order 1: what the study's own A and C kee
 HALF = 0.5
 OVER = 1.1  # median over the cells, over the control's
 RAMP = 0.1  # s, the end of the ramp: "instantaneous"
+NOTE = (
+    f"Errors: order 2 over order 1; alike: {ALIKE[0]:.2f} to {ALIKE[1]:.2f}. Mass exchange: median over the cells over "
+    f"the control's (not printed in the study); over-predicted: above {OVER:g}. Several seeds: mean [least, greatest]."
+)
 
 Named = Mapping[tuple[int | None, int | None], str]  # orders of solid and fluid -> the method's name
 Numbers = Mapping[str, Sequence[float]]  # what is compared -> a value for each seed
@@ -162,13 +166,26 @@ def table(found: Sequence[Statement]) -> Table:
         "Pattern of the published study",
         ["statement", "recovery", "", f"numbers (in brackets from {SOURCE})"],
         [s.row() for s in found],
-        f"Errors: order 2 over order 1; alike: {ALIKE[0]:.2f} to {ALIKE[1]:.2f}. Mass exchange: median over the cells "
-        f"over the control's (not printed in the study); over-predicted: above {OVER:g}. Several seeds: mean [least, "
-        "greatest].",
+        NOTE,
     )
 
 
-def beside_published(methods: Sequence[Method], agreed: Mapping[Place, xr.Dataset]) -> Table:
+def side_by_side(found: Mapping[str, Sequence[Statement]]) -> Table:
+    """A row for each statement, a column for each of several studies or variants: does it hold there, by what numbers?"""
+    rows: dict[tuple[str, str], dict[str, list[object]]] = {}
+    for name, said in found.items():
+        for s in said:
+            text, recovery, *rest = s.row()
+            rows.setdefault((str(text), str(recovery)), {})[name] = rest
+    return Table(
+        "Pattern of the published study, variants side by side",
+        ["statement", "recovery", *(c for name in found for c in (name, f"numbers (in brackets from {SOURCE})"))],
+        [[*of, *(x for name in found for x in own.get(name, ["", ""]))] for of, own in rows.items()],
+        NOTE,
+    )
+
+
+def beside_published(methods: Sequence[Method], agreed: Mapping[Place, xr.Dataset], variant: str = "") -> Table:
     """RMS differences over the control's range, ours (published); several seeds by their mean."""
     rows: list[list[object]] = []
     for case in dict.fromkeys(p.case for p in agreed):
@@ -184,4 +201,5 @@ def beside_published(methods: Sequence[Method], agreed: Mapping[Place, xr.Datase
                 row.append(text + (f" ({printed[k]:.3f})" if k in printed else ""))
             rows.append(row)
     title = f"RMS difference over the control's range, in brackets as published ({SOURCE})"
+    title = f"{variant}: {title}" if variant else title
     return Table(title, ["", *(HEADINGS[m] for m in METRICS)], rows)

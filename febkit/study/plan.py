@@ -103,11 +103,11 @@ def make_plan(study: Study) -> Plan:
     return Plan(study, metrics, agreement)
 
 
-def which(study: Study, point: int | None, seed: int, variant: int = 0) -> str:
-    """Point, seed and variant in a label, where there are several."""
+def which(study: Study, point: int | None, seed: int | None, variant: int | None = 0) -> str:
+    """Point, seed and variant in a label, where there are several; None where it is of all."""
     out = f" point {point + 1}" if point is not None and len(study.points) > 1 else ""
-    out += f" seed {study.seeds[seed]}" if len(study.seeds) > 1 else ""
-    return out + (f" {study.variants[variant].name}" if len(study.variants) > 1 else "")
+    out += f" seed {study.seeds[seed]}" if seed is not None and len(study.seeds) > 1 else ""
+    return out + (f" {study.variants[variant].name}" if variant is not None and len(study.variants) > 1 else "")
 
 
 def _centre(points: Iterable[Point]) -> int | None:
@@ -130,8 +130,13 @@ class _Shared:
             self._made[key] = make()
         return self._made[key]
 
-    def tissue(self, case: str) -> dict[str, Step]:
-        made: dict[str, Step] = self._once(("tissue", case), lambda: _solved("tissue", self.study.tissues[case], case))
+    def tissue(self, case: str, variant: int) -> dict[str, Step]:
+        varied = self.study.differ("tissue")
+        suffix = which(self.study, None, None, variant) if varied else ""
+        table = self.study.tissues[variant][case]
+        made: dict[str, Step] = self._once(
+            ("tissue", case, variant if varied else 0), lambda: _solved("tissue", table, case, suffix)
+        )
         return made
 
     def cell(self, point: int, seed: int, variant: int) -> Step:
@@ -139,14 +144,16 @@ class _Shared:
         study, zone = self.study, self.study.zone(point)
 
         def make() -> Step:
-            suffix = ("" if zone is None else f" {zone.name}") + which(study, None, seed, variant)
+            varied = variant if study.differ("cell") else None
+            suffix = ("" if zone is None else f" {zone.name}") + which(study, None, seed, varied)
             return _model("cell", self._seeded(study.cells(point, variant), seed), "", suffix)
 
         step: Step = self._once(("cell", zone and zone.name, seed, variant), make)
         return step
 
     def control(self, case: int, point: int, seed: int, variant: int) -> Step:
-        name, suffix = self.study.cases[case], which(self.study, None, seed, variant)
+        varied = variant if self.study.differ("cell", "embedded") else None
+        name, suffix = self.study.cases[case], which(self.study, None, seed, varied)
         table = self._seeded(self.study.controlled(case, point, variant), seed)
         label = f"{name} control{suffix}: measure"
         return _measure(self.study, label, _solved("embedded", table, name, suffix), ())
@@ -166,11 +173,13 @@ class _Shared:
                 params |= {"order": "auto", "box": box}
             if method.recovery:
                 params["recovery"] = method.recovery
-            label = f"{case} tissue: series of order {params['order']} {where}"
+            label = f"{case} tissue{which(study, None, None, varied)}: series of order {params['order']} {where}"
             label += f", {method.recovery}" if method.recovery else ""
-            return Step("series", label, params, self.tissue(case))
+            return Step("series", label, params, self.tissue(case, variant))
 
-        step: Step = self._once(("series", case, order, box, method.recovery, -1 if study.listed else point), make)
+        varied = variant if study.differ("tissue") else None
+        at_point = -1 if study.listed else point
+        step: Step = self._once(("series", case, order, box, method.recovery, at_point, varied), make)
         return step
 
     def driven(self, at: Place, method: Method) -> Step:
@@ -180,7 +189,7 @@ class _Shared:
         cell = self.cell(k, at.seed, at.variant)
         params: dict[str, Any] = {"point": k if study.listed else 0, "solid": method.solid, "fluid": method.fluid}
         params |= {} if method.solute is None else {"solute": method.solute}
-        tissue = self.tissue(at.case)
+        tissue = self.tissue(at.case, at.variant)
         if study.background:
             cell = self._background(at, cell)
         if method.name == "overlay":
@@ -200,7 +209,7 @@ class _Shared:
         def make() -> Step:
             params = {"at": list(study.points[at.point]), "material": study.background}
             label = f"{at.case} cell{which(study, at.point, at.seed, at.variant)}: material of the tissue"
-            return Step("background", label, params, {"cell": cell, "tissue": self.tissue(at.case)["model"]})
+            return Step("background", label, params, {"cell": cell, "tissue": self.tissue(at.case, at.variant)["model"]})
 
         step: Step = self._once(("background", at._replace(method="")), make)
         return step

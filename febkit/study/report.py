@@ -129,17 +129,29 @@ def pattern_tables(
     plan: Plan, found: Metrics | None = None, agreed: Metrics | None = None
 ) -> Iterator[tables.Table]:
     """Whether the published study's pattern comes out, and its table 2 beside ours."""
-    if not set(plan.study.cases) <= set(CASES) or len(plan.study.variants) > 1:
+    study = plan.study
+    if not set(study.cases) <= set(CASES) or study.differ("cell", "embedded"):
         return
     found = gather.Finished(plan) if found is None else found
     agreed = gather.agreements(plan) if agreed is None else agreed
-    methods = plan.study.methods
-    default = str(plan.study.coupling.get("recovery") or "default")
-    said = list(pattern.statements(methods, agreed, found, default))
-    if said:
-        yield pattern.table(said)
-    if agreed:
-        yield pattern.beside_published(methods, agreed)
+    default = str(study.coupling.get("recovery") or "default")
+    own = {v.name: _variant(agreed, k) for k, v in enumerate(study.variants)}
+    said = {
+        v.name: list(pattern.statements(study.methods, own[v.name], _variant(found, k), default))
+        for k, v in enumerate(study.variants)
+    }
+    if len(said) > 1 and any(said.values()):
+        yield pattern.side_by_side(said)
+    elif said[study.variants[0].name]:
+        yield pattern.table(said[study.variants[0].name])
+    for name, ds in own.items():
+        if ds:
+            yield pattern.beside_published(study.methods, ds, name)
+
+
+def _variant(of: Metrics, variant: int) -> Metrics:
+    """Those of one variant, as :func:`pattern.statements` goes through them: values are read when they are asked for."""
+    return {p: of[p] for p in of if p.variant == variant}
 
 
 def _ranks(plan: Plan, found: Metrics) -> Iterator[tuple[str, Any]]:
@@ -227,34 +239,34 @@ def _elements(store: Store, step: Step) -> object:
 def _figures(plan: Plan, found: Metrics, agreed: Metrics, folder: Path) -> Iterator[Path]:
     from febkit import plots
 
-    for case in plan.study.cases:
-        for at in [p for p in found if p.case == case and (p.method == CONTROL or not plan.study.control)]:
-            shown = {_label(p.method): found[p] for p in found if p == at._replace(method=p.method)}
-            yield _saved(plots.histories(shown, _six(shown), title=f"case {case}"), folder / f"histories_{case}.png")
+    several = range(len(plan.study.variants)) if plan.study.differ("tissue") else range(1)
+    for case, v in [(case, v) for case in plan.study.cases for v in several]:
+        name = f"case {case}" + (f", {plan.study.variants[v].name}" if v or len(several) > 1 else "")
+        suffix = f"{case}_{v + 1}" if len(several) > 1 else case
+        own = [p for p in found if (p.case, p.variant) == (case, v)]
+        for at in [p for p in own if p.method == CONTROL or not plan.study.control]:
+            shown = {_label(p.method): found[p] for p in own if p == at._replace(method=p.method)}
+            yield _saved(plots.histories(shown, _six(shown), title=name), folder / f"histories_{suffix}.png")
             held = [m for m in usual(split(next(iter(shown.values())))) if m not in METRICS]
             if held:
-                yield _saved(plots.histories(shown, held, title=f"case {case}"), folder / f"osmotic_{case}.png")
+                yield _saved(plots.histories(shown, held, title=name), folder / f"osmotic_{suffix}.png")
             if any("mass_exchange_rate" in ds for ds in shown.values()):
-                early = plots.early_exchange(shown, 10 * (ramp(plan) or 0.1), title=f"case {case}")
-                yield _saved(early, folder / f"exchange_{case}.png")
+                early = plots.early_exchange(shown, 10 * (ramp(plan) or 0.1), title=name)
+                yield _saved(early, folder / f"exchange_{suffix}.png")
             for method in plan.study.methods:
-                own, control = (found.get(at._replace(method=m)) for m in (method.name, CONTROL))
-                if control is not None and own is not None:
-                    figure = plots.bland_altman(
-                        control,
-                        own,
-                        title=f"case {case}, {_label(method.name)}",
-                    )
-                    name = f"bland_altman_{case}_{method.name.replace('/', '-').replace(' ', '_')}.png"
-                    yield _saved(figure, folder / name)
-            figure = _section(plan, at)
+                test, control = (found.get(at._replace(method=m)) for m in (method.name, CONTROL))
+                if control is not None and test is not None:
+                    figure = plots.bland_altman(control, test, title=f"{name}, {_label(method.name)}")
+                    which_one = method.name.replace("/", "-").replace(" ", "_")
+                    yield _saved(figure, folder / f"bland_altman_{suffix}_{which_one}.png")
+            figure = _section(plan, at, name)
             if figure is not None:
-                yield _saved(figure, folder / f"section_{case}.png")
+                yield _saved(figure, folder / f"section_{suffix}.png")
             break  # one point and seed for each case: the control's, or the first
     by_case: dict[str, dict[str, xr.Dataset]] = {}
     for p, ds in agreed.items():
-        if p.seed == p.variant == 0:
-            by_case.setdefault(p.case, {})[p.method] = ds
+        if p.seed == 0 and p.variant in several:
+            by_case.setdefault(f"{p.case} {p.variant + 1}" if len(several) > 1 else p.case, {})[p.method] = ds
     if by_case:
         yield _saved(plots.outside_counts(by_case), folder / "outside_limits.png")
         yield _saved(plots.errors(by_case), folder / "errors.png")
@@ -266,7 +278,7 @@ def _six(shown: dict[str, xr.Dataset]) -> list[str]:
     return [m for m in METRICS if m in first]
 
 
-def _section(plan: Plan, where: Place, time: float = 5.0) -> Any:
+def _section(plan: Plan, where: Place, name: str, time: float = 5.0) -> Any:
     """Effective strain with flux arrows through the middle of a cell, control beside methods (fig 8)."""
     from febkit import plots
 
@@ -287,7 +299,7 @@ def _section(plan: Plan, where: Place, time: float = 5.0) -> Any:
     parts = sorted(set.intersection(*names)) if len(names) > 1 else None
     at = _middle(next(iter(shown.values()))[0])
     return plots.sections(
-        shown, "effective_strain", time, "y", at, parts, title=f"case {where.case}, t = {time:g} s"
+        shown, "effective_strain", time, "y", at, parts, title=f"{name}, t = {time:g} s"
     )
 
 

@@ -220,7 +220,7 @@ def test_profiles_of_the_tissue_are_known_by_their_rows(tmp_path):
     text = 'methods = ["1"]\n[tissue]\ntemplate = "cartilage"\nsize = "small"\n'
     text += 'E = {file = "E.csv", rule = "monotone"}\nk0 = 1e-3\n' + SMALL[SMALL.index("[cell]") :]
     p = plan_of(tmp_path, text)
-    (tissue,) = p.study.tissues.values()
+    ((tissue,),) = (t.values() for t in p.study.tissues)
     assert tissue["E"] == {"points": [[0.0, 0.2], [1.0, 0.8]], "rule": "monotone"} and tissue["k0"] == 1e-3
     build = {s.label: s.key for s in p.steps().values() if s.kind == "build"}
     (tmp_path / "E.csv").write_text("depth,E\n0,0.2\n1,0.9\n")
@@ -243,6 +243,27 @@ def test_variants_are_models_side_by_side(tmp_path):
     for bad, said in wrong.items():
         with pytest.raises(InputError, match=said):
             plan_of(tmp_path, text + f"[variants]\n{bad}\n")
+
+
+def test_tissues_side_by_side_share_cells_and_control(tmp_path):
+    text = 'cases = ["A"]\n' + SMALL.partition("[cases")[0] + SMALL[SMALL.index("[tissue]") : SMALL.index("[points]")]
+    p = plan_of(tmp_path, text + '[variants]\nnames = ["coarse", "fine"]\n[variants.tissue]\nn = [3, 5]\n')
+    builds = {s.label: s.params["values"] for s in p.steps().values() if s.kind == "build"}
+    assert set(builds) == {"A tissue coarse: build", "A tissue fine: build", "cell: build", "A embedded: build"}
+    assert [builds[f"A tissue {v}: build"]["n"] for v in ("coarse", "fine")] == [3, 5]
+    solves = [s.label for s in p.steps().values() if s.kind == "solve"]
+    assert len(solves) == 1 + 2 + 2 * len(p.study.methods) and len(p.agreement) == 2 * len(p.study.methods)
+    assert study.results(p, []).variant_tissue_n.values.tolist() == [3, 5]
+    own = plan_of(tmp_path, text.replace("n = 3", "n = 5")) if "n = 3" in text else None
+    assert own is not None and set(own.steps()) < set(p.steps())  # the same steps, whatever they are called here
+    for bad, said in {
+        "[variants.tissue]\nm = [3, 5]": r"\[tissue\] with \[variants.tissue\]: 'm' is no parameter",
+        "[variants]\nn = [3, 5]\n[variants.tissue]\nvertical = [3]": "tissue.vertical of .variants. must be a list as long",
+        "[variants.embedded]\nn = [3, 5]": "needs lists of parameters of .cell.",
+        "[variants.tissue]\nedge = [1.0, 2.0]\n[points]\nz = [0.0, 0.1]": "must be the same in all",
+    }.items():
+        with pytest.raises(InputError, match=said):
+            plan_of(tmp_path, text + bad + "\n")
 
 
 def test_cells_in_the_table_of_sizes_are_those_that_there_are():
