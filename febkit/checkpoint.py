@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from febkit.solver.result import Result
     from febkit.solver.run import Run
 
-FORMAT = 3
+FORMAT = 4
 _MAGIC, _DIGEST = b"febkit checkpoint ", 32
 _UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 _ASKED = re.compile(r"(?:every=)?(\d+(?:\.\d+)?)\s*(s|min|h|steps?)")

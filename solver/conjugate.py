@@ -34,7 +34,7 @@ DIVERGED = 1000.0  # growth of the energy after which directions begin anew
 class ConjugateGradients:
     """See above."""
 
-    stale = renewed = False
+    stale = renewed = guessed = False
 
     def __init__(self, newton: Newton) -> None:
         self.newton = newton

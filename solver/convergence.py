@@ -73,14 +73,18 @@ class Convergence:
         Raises NotFinite where a norm overflows.
         """
         if self.first is None:
-            self.residual, self.energy = dot(R0, R0), abs(dot(u, R0))
-            self.most = self.energy
-            self.first = [self._square(u, own) for _, own, _ in self.fields]
+            self.scale(u, R0)
         report, ok = self._norms(u, s, R1, U)
         for name, norm in report.items():  # of numbers too large to be squared: no test on them means anything
             if not (isfinite(norm.initial) and isfinite(norm.now)):
                 raise NotFinite(f"the norm of the {name} overflows: the numbers of the model are too large")
         return report, ok or report["residual"].now < self.least
+
+    def scale(self, u: Floats, R0: Floats) -> None:
+        """An increment u from residual R0 sets the scales."""
+        self.residual, self.energy = dot(R0, R0), abs(dot(u, R0))
+        self.most = self.energy
+        self.first = [self._square(u, own) for _, own, _ in self.fields]
 
     def _norms(self, u: Floats, s: float, R1: Floats, U: Floats) -> tuple[dict[str, Norm], bool]:
         o, first = self.options, self.first or []

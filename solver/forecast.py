@@ -1,16 +1,19 @@
-"""What a vector grows by in a time step, told from the steps before: where variations of a run begin to look."""
+"""What a vector grows by in a time step, told from the steps before: where steps and variations begin to look."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .kernels.vectors import add
-from .vectors import norm
+from .vectors import dot, norm
 
 Floats = NDArray[np.float64]
 STEPS = 6  # before the present one that are looked at
 MANY = 1000  # unknowns of a field from which it is learnt
+NEAR = 0.25  # relative error of the last step's guess up to which the next is trusted
 FADE = 0.3  # what counts of the steps before the last one in what is learnt
 
 
@@ -43,6 +46,56 @@ class Past:
         if len(spans) < 2:
             return dt * rate, np.zeros(n)
         return dt * rate, (dt * dt / length) * (rate - spans[1][1] / spans[1][0])
+
+
+class Guess:
+    """What the unknowns grow by in a step: at their mean rate in the last ones, and as much of its trend as was right.
+
+    ``fields``: the unknowns of each field, which count alike.
+    """
+
+    def __init__(self, n: int, fields: list[NDArray[np.int64]]) -> None:
+        self._n, self._fields, self._past = n, fields, Past()
+        self._given: tuple[float, Floats] = (1.0, np.zeros(n))  # the last step, and what prescribed unknowns grew by
+        self._told: Floats | None = None  # of the present step
+        self._fit = (0.0, 0.0)  # of the trend: products with what was right, and with itself
+        self._near = False  # was the last step's?
+
+    def __call__(self, dt: float, given: Floats) -> Floats | None:
+        """What they grow by in a step dt; None where it is not to be trusted. ``given``: what prescribed ones do."""
+        self._told = None
+        length, last = self._given
+        self._given = dt, given
+        if len(self._past.steps) < 2:
+            return None
+        mean, trend = self._past.led(dt, self._n)
+        right, own = self._fit
+        self._told = mean + (min(max(right / own, 0.0), 1.0) if own else 0.0) * trend
+        self._mean, self._trend = mean, trend
+        steady = norm(given - (dt / length) * last) <= NEAR * norm(given)
+        return self._told if self._near and steady else None
+
+    def learn(self, dt: float, x: Floats) -> None:
+        """The step dt is over, in which they grew by x."""
+        if self._told is not None:
+            right, own, error = FADE * self._fit[0], FADE * self._fit[1], 0.0
+            for f in self._fields:
+                size, t = norm(x[f]), self._trend[f]
+                if size > 0.0:
+                    right += dot(t, x[f] - self._mean[f]) / size**2
+                    own += dot(t, t) / size**2
+                    error = max(error, norm(x[f] - self._told[f]) / size)
+            self._fit, self._near = (right, own), error < NEAR
+        else:
+            self._near = len(self._past.steps) > 0
+        self._past.add(dt, x)
+
+    def snapshot(self) -> tuple[Any, ...]:
+        return list(self._past.steps), self._fit, self._near, self._given
+
+    def restore(self, saved: tuple[Any, ...]) -> None:
+        steps, self._fit, self._near, self._given = saved
+        self._past.steps, self._told = list(steps), None
 
 
 class Forecast:

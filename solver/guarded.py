@@ -30,7 +30,7 @@ class Guarded:
 
     def __init__(self, newton: Newton) -> None:
         self.newton = newton
-        self.stale = self.renewed = False
+        self.stale = self.renewed = self.guessed = False
 
     def solve(self) -> None:
         """Solve the present time step. Raises NotConverged, NotFinite and LinearError."""

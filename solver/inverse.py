@@ -106,7 +106,7 @@ class Inverse:
         self, make: Callable[[], LinearSolver], clock: Clock, use: Use = FRESH, fields: Sequence[Ints] = ()
     ) -> None:  # fmt: skip
         self._make, self._clock, self.use = make, clock, use
-        self._fields = () if use.leans else fields  # rows of each, whose errors count beside its own size
+        self._fields = fields  # rows of each, whose errors count beside its own size
         self.solver = make()
         self._kept: list[Factor] = []
         self._uses = 0
@@ -163,7 +163,7 @@ class Inverse:
         self._use(f)
         self._A, self._dt, self._inner = A, dt, None
         with self._clock("linear solves"):
-            x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST)
+            x, z, error = gmres(A, b, self.solver.solve, TOLERANCE, MOST, self._fields)
         return (x if error < TOLERANCE else None), z
 
     def _use(self, f: Factor) -> None:
@@ -246,7 +246,7 @@ class Inverse:
         if self._inner is not None or self._A is None or not self.use.leans:
             return self.solve(b)
         with self._clock("linear solves"):
-            return gmres(self._A, b, self.solver.solve, TOLERANCE, MOST)[0]
+            return gmres(self._A, b, self.solver.solve, TOLERANCE, MOST, self._fields)[0]
 
     def once(self, b: Floats) -> Floats:
         """M^-1 b."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .convergence import Norm, NotConverged
+from .linear.krylov import matvec
 from .loop import Floats, Loop
 from .quasi_newton import Anderson, Update
 
@@ -28,13 +29,14 @@ class Kept(Loop):
         super().__init__(newton)
         self.leans, self._left = leans, np.inf  # last increment over the one allowed
         self._own: Update = self.qn
-        self._anderson = Anderson(lambda b: newton.on_rows(newton.inverse.once, b), newton.options)
+        layout, eqs = newton.system.layout, newton.system.eqs
+        fields = [layout.equations(f, eqs.column) for f in layout.normed] if layout.mixed else []
+        self._anderson = Anderson(lambda b: newton.on_rows(newton.inverse.once, b), newton.options, fields=fields)
 
     def start(self, given: Floats) -> tuple[Floats, Floats | None]:
         n = self.newton
         self._left = np.inf
-        A, Fd = n.tangent(given)
-        R0 = n.residual() + Fd
+        A, R0 = self._began(given)
         u = self._lean(A, R0) if self.leans and n.calm >= CALM else None
         if u is not None:
             return R0, u
@@ -42,6 +44,23 @@ class Kept(Loop):
         n.invert(A)
         self.qn.reset()
         return R0, n.on_rows(n.inverse.refined, R0)
+
+    def _began(self, given: Floats) -> tuple[Matrix, Floats]:
+        """Tangent and residual where the last steps led to, or else where the step begins, with what is prescribed."""
+        n = self.newton
+        ahead = n.guess(n.system.state.dt, given) if n.guess is not None and self.leans else None
+        if ahead is None:
+            A, Fd = n.tangent(given)
+            return A, n.residual() + Fd
+        self.guessed = True
+        n.move(ahead)
+        n.increment = ahead.copy()
+        A, _ = n.tangent(np.zeros_like(given))
+        R = n.residual()
+        before = R.copy()  # what they would have begun with, were the system linear
+        before[n.rows] += matvec(A, ahead[n.rows])
+        n.convergence.scale(ahead, before)
+        return A, R
 
     def _lean(self, A: Matrix, R0: Floats) -> Floats | None:
         """A direction by an old factorisation, None where there is none that serves."""

@@ -25,12 +25,12 @@ class Loop:
         self.newton = newton
         method = FullNewton if newton.full else METHODS[newton.options.method]
         self.qn: Update = method(lambda b: newton.on_rows(newton.inverse.solve, b), newton.options)
-        self.stale = self.renewed = False
+        self.stale = self.renewed = self.guessed = False
 
     def solve(self) -> None:
         """Solve the present time step. Raises NotConverged, NotFinite, ElementFailure or LinearError."""
         n = self.newton
-        self.stale = self.renewed = False
+        self.stale = self.renewed = self.guessed = False
         given = n.begin()
         self.qn.begin()
         R0, u = self.start(given)

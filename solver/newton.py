@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .clock import Clock
 from .convergence import Convergence, Iteration, Norm, NotConverged
 from .finite import NotFinite, blame, node, whole
+from .forecast import Guess
 from .guarded import Guarded
 from .inverse import FRESH, REFINED, Inverse, Use
 from .kept import Kept
@@ -32,11 +33,13 @@ EASY = 8  # iterations up to which FEBio's stepper grows the step at its full ra
 class Strategy(Protocol):
     """A way of solving a time step. Raises NotConverged, NotFinite, ElementFailure or LinearError.
 
-    ``stale``: the step leans on a factorisation of an earlier one; ``renewed``: it began so, and made one of its own.
+    ``stale``: the step leans on a factorisation of an earlier one; ``renewed``: it began so, and made one of its own;
+    ``guessed``: it began where the last ones led.
     """
 
     stale: bool
     renewed: bool
+    guessed: bool
 
     def solve(self) -> None: ...
 
@@ -87,6 +90,11 @@ class Newton:
         self.steps = 0  # that were solved
         self.augments = any(g.physics.augments for g in system.groups) or any(a.augments for a in system.acting)
         self.before_augment: Callable[[], None] = lambda: None  # told of solutions whose multipliers are renewed next
+        self.guess: Guess | None = None  # where steps begin to look, if they do not lean on the state before
+        plain = system.bodies is None and system.rotations is None
+        if self.leans and plain:
+            whole = [layout.equations(f, system.eqs.column) for f in layout.normed]
+            self.guess = Guess(system.eqs.n, whole)
         self.fresh: Strategy = Loop(self)
         self.usual: Strategy = self.fresh
         if self.leans:
@@ -192,6 +200,8 @@ class Newton:
         surfaces meet again (as in FEBio)."""
         self.total = self.system.accumulate(self.total, self.increment)
         self.steps += 1
+        if self.guess is not None:
+            self.guess.learn(self.system.state.dt, self.increment)
 
     def _targets(self) -> Floats:
         """Values (node, column) that prescribed unknowns take in the present step; NaN elsewhere."""
@@ -230,12 +240,14 @@ class Newton:
     # ---- what a failed try gives back -------------------------------------------------------------
     def snapshot(self) -> Any:
         """The unknowns at the last converged state, the steps before it and the easy ones, and the way along an arc."""
-        return self.total.copy(), self.calm, self.steps, self.arc.snapshot() if self.arc is not None else None
+        parts = (self.arc, self.guess)
+        return self.total.copy(), self.calm, self.steps, *(None if p is None else p.snapshot() for p in parts)
 
     def restore(self, saved: Any) -> None:
         self.total, self.calm, self.steps = saved[0].copy(), saved[1], saved[2]
-        if self.arc is not None:
-            self.arc.restore(saved[3])
+        for part, own in ((self.arc, saved[3]), (self.guess, saved[4])):
+            if part is not None and own is not None:
+                part.restore(own)
 
     def close(self) -> None:
         """Free all factorisations."""

@@ -6,13 +6,14 @@ manual, "The BFGS method"). Broyden: Engelman, Strang and Bathe, Int J Numer Met
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .kernels.vectors import add_along
+from .linear.krylov import Ints, weights
 from .problem import NewtonOptions
 from .vectors import dot
 
@@ -168,33 +169,41 @@ class Anderson:
     """Multisecant correction of any approximate inverse M^-1, an old factorisation for one.
 
     With z = M^-1 R, pairs d_i (steps taken) and Z_i = M^-1 (R_i - R_i+1): u = z + sum g_i (d_i - Z_i), g the
-    least-squares solution of Z g = z. Fang and Saad, Numer Linear Algebra Appl 16 (2009).
+    least-squares solution of Z g = z. Fang and Saad, Numer Linear Algebra Appl 16 (2009). ``fields``: the unknowns of
+    each field, all of which count as the step's first z has made them.
     """
 
-    def __init__(self, back: Back, options: NewtonOptions, keep: int = 12) -> None:
-        self.back, self.keep, self.count = back, keep, 0
-        self._d: list[Floats] = []
+    def __init__(self, back: Back, options: NewtonOptions, keep: int = 12, fields: Sequence[Ints] = ()) -> None:
+        self.back, self.keep, self.count, self.fields = back, keep, 0, fields
+        self._d: list[Floats] = []  # in units of the fields, as Z and z
         self._Z: list[Floats] = []
         self._z: Floats | None = None
+        self._scale: Floats | None = None
 
     def reset(self) -> None:
         self.count = 0
         self._d.clear()
         self._Z.clear()
-        self._z = None
+        self._z = self._scale = None
 
     def begin(self) -> None:
         self._z = None
 
     def first(self, z: Floats) -> None:
         """Take z = M^-1 R of the present residual, its direction being found otherwise."""
-        self._z = z
+        self._z = self._scaled(z)
+
+    def _scaled(self, z: Floats) -> Floats:
+        if self._scale is None:
+            self._scale = weights(z, self.fields) if len(self.fields) > 1 else np.ones(1)
+        return self._scale * z
 
     def solve(self, b: Floats) -> Floats:
-        z = self.back(b) if self._z is None else self._z
+        z = self._scaled(self.back(b)) if self._z is None else self._z
         self._z = z
+        assert self._scale is not None
         if not self._d:
-            return z.copy()
+            return z / self._scale
         # normal equations with scaled columns: few columns, long vectors
         size = np.array([np.sqrt(dot(q, q)) or 1.0 for q in self._Z])
         G = np.array([[dot(a, b) for b in self._Z] for a in self._Z]) / np.outer(size, size)
@@ -203,12 +212,12 @@ class Anderson:
         out = z.copy()
         for q, d, c in zip(self._Z, self._d, g):
             out += c * (d - q)
-        return out
+        return out / self._scale
 
     def update(self, s: float, u: Floats, R0: Floats, R1: Floats) -> bool:
-        z1 = self.back(R1)
-        assert self._z is not None
-        self._d.append(s * u)
+        z1 = self._scaled(self.back(R1))
+        assert self._z is not None and self._scale is not None
+        self._d.append((s * self._scale) * u)
         self._Z.append(self._z - z1)
         if len(self._d) > self.keep:
             self._d.pop(0)

@@ -355,7 +355,7 @@ class Run:
                 self.totals.lost += counts.iterations
                 self._give_back(before, whole)
                 newton = self.newton
-                if how.stale:  # once more with tangents of its own, in all stages, before the step is cut
+                if how.stale or how.guessed:  # once more by itself, in all stages, before the step is cut
                     how = newton.fresh
                     continue
                 other = None if _hopeless(e) else self._again(newton, how, e)

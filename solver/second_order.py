@@ -53,6 +53,7 @@ class SecondOrder:
     def __init__(self, state: State, groups: list[Group], newton: Newton, accuracy: float) -> None:
         self.state, self.newton, self.accuracy = state, newton, accuracy
         self._most = newton.options.min_residual
+        newton.guess = None  # what the unknowns grow by in a stage is not what they grow by in a step
         self.groups = groups
         self._past: list[tuple[float, list[Floats]]] = []  # times and values at the ends of the last steps
         for g in groups:

@@ -81,8 +81,8 @@ class Study:
     """A study: models, cases, methods, points and seeds; ``folder`` is where its results live.
 
     ``seeds`` are those of the cells' positions, one model of the cells for each; (None,) where [cell] names no list.
-    ``depths`` and ``zone_of`` belong to the points, where depths are known and there are zones. ``tissues`` are for each
-    variant the tissue by case; ``embedded`` what the control has beside the cells' parameters.
+    ``depths`` and ``zone_of`` belong to the points, where depths are known and there are zones. ``tissues`` are the
+    tissue by case, for each variant; ``embedded`` what the control has beside the cells' parameters.
     """
 
     file: Path

@@ -74,8 +74,8 @@ def tissues(base: Table, cases: tuple[Case, ...], variant: Variant, home: Path, 
         own |= located(variant.tissue, "variants.tissue", home, where)
         if "file" in base and "file" not in own and set(own) - {"case", "results"}:
             raise InputError(
-                f"[tissue] is a file, which takes no parameters: case {c.name}{' or a variant' if variant.tissue else ''} "
-                "can only name another file, "
+                f"[tissue] is a file, which takes no parameters: case {c.name}"
+                f"{' or a variant' if variant.tissue else ''} can only name another file, "
                 f"not {', '.join(own)}",
                 where,
             )
@@ -254,7 +254,8 @@ def variants(top: Entries) -> tuple[Variant, ...]:
     lists = {**cell, **{f"{name}.{k}": v for name, own in others.items() for k, v in own.items()}}
     if not cell and not others["tissue"]:
         raise InputError(
-            "[variants] needs lists of parameters of [cell], as edge = [0.05, 0.1], or in [variants.tissue] of [tissue]",
+            "[variants] needs lists of parameters of [cell], as edge = [0.05, 0.1], or of [tissue] in "
+            "[variants.tissue]",
             t.where,
         )
     first, given = next((k, v) for k, v in lists.items() if not k.startswith("embedded."))

@@ -171,16 +171,16 @@ def table(found: Sequence[Statement]) -> Table:
 
 
 def side_by_side(found: Mapping[str, Sequence[Statement]]) -> Table:
-    """A row for each statement, a column for each of several studies or variants: does it hold there, by what numbers?"""
-    rows: dict[tuple[str, str], dict[str, list[object]]] = {}
+    """A row for each statement, a column for each variant: does it hold there, by what numbers?"""
+    rows: dict[tuple[str, str], dict[str, str]] = {}
     for name, said in found.items():
         for s in said:
-            text, recovery, *rest = s.row()
-            rows.setdefault((str(text), str(recovery)), {})[name] = rest
+            text, recovery, verdict, numbers = (str(x) for x in s.row())
+            rows.setdefault((text, recovery), {})[name] = f"{verdict}: {numbers}"
     return Table(
-        "Pattern of the published study, variants side by side",
-        ["statement", "recovery", *(c for name in found for c in (name, f"numbers (in brackets from {SOURCE})"))],
-        [[*of, *(x for name in found for x in own.get(name, ["", ""]))] for of, own in rows.items()],
+        f"Pattern of the published study, variants side by side, in brackets as published ({SOURCE})",
+        ["statement", "recovery", *found],
+        [[*of, *(own.get(name, "") for name in found)] for of, own in rows.items()],
         NOTE,
     )
 

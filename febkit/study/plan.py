@@ -209,7 +209,8 @@ class _Shared:
         def make() -> Step:
             params = {"at": list(study.points[at.point]), "material": study.background}
             label = f"{at.case} cell{which(study, at.point, at.seed, at.variant)}: material of the tissue"
-            return Step("background", label, params, {"cell": cell, "tissue": self.tissue(at.case, at.variant)["model"]})
+            inputs = {"cell": cell, "tissue": self.tissue(at.case, at.variant)["model"]}
+            return Step("background", label, params, inputs)
 
         step: Step = self._once(("background", at._replace(method="")), make)
         return step

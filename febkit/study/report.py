@@ -150,7 +150,7 @@ def pattern_tables(
 
 
 def _variant(of: Metrics, variant: int) -> Metrics:
-    """Those of one variant, as :func:`pattern.statements` goes through them: values are read when they are asked for."""
+    """Those of one variant."""
     return {p: of[p] for p in of if p.variant == variant}
 
 

@@ -24,29 +24,32 @@ def matvec(A: Matrix, x: Floats) -> Floats:
 
 
 def gmres(
-    A: Matrix, b: Floats, precondition: Callable[[Floats], Floats], tolerance: float, most: int
-) -> tuple[Floats, Floats, float]:
+    A: Matrix, b: Floats, precondition: Callable[[Floats], Floats], tolerance: float, most: int,
+    fields: Sequence[Ints] = (),
+) -> tuple[Floats, Floats, float]:  # fmt: skip
     """Solve A x = b from the left-preconditioned system M^-1 A x = M^-1 b.
 
-    Returns x, M^-1 b and the preconditioned residual relative to M^-1 b. No restart: ``most`` bounds memory and
-    work, and a result that has not reached ``tolerance`` is returned as it is. Where M^-1 b itself leaves less
-    than a tenth of ``tolerance`` of b (a fresh factorisation), it is the answer, as it is where numbers are too large
-    for their squares.
+    Returns x, M^-1 b and the preconditioned residual relative to M^-1 b, in which ``fields`` count as in
+    :class:`Recycled`. No restart: ``most`` bounds memory and work, and a result that has not reached ``tolerance`` is
+    returned as it is. Where M^-1 b itself leaves less than a tenth of ``tolerance`` of b (a fresh factorisation), it is
+    the answer, as it is where numbers are too large for their squares.
     """
-    r = precondition(b)
-    beta = np.sqrt(dot(r, r))
+    z = precondition(b)
+    scale = weights(z, fields) if len(fields) > 1 else np.ones(1)
+    r = scale * z
+    beta = norm(r)
     if beta == 0.0:
-        return np.zeros_like(b), r, 0.0
+        return np.zeros_like(b), z, 0.0
     if not np.isfinite(beta):
-        return r, r, np.inf
-    left = b - matvec(A, r)
+        return z, z, np.inf
+    left = b - matvec(A, z)
     if dot(left, left) < (0.1 * tolerance) ** 2 * dot(b, b):
-        return r, r, 0.1 * tolerance
+        return z, z, 0.1 * tolerance
     V = [r / beta]
     H = np.zeros((most + 1, most))
     best, error = np.zeros(0), beta
     for k in range(most):
-        w = precondition(matvec(A, V[k])) if k else (r - precondition(left)) / beta
+        w = scale * precondition(matvec(A, V[k] / scale)) if k else (r - scale * precondition(left)) / beta
         if not np.isfinite(dot(w, w)):
             break
         best, error = _extend(V, H, w, k, beta)
@@ -54,11 +57,11 @@ def gmres(
             break
         V.append(w / H[k + 1, k])
     if not len(best):
-        return r, r, np.inf
+        return z, z, np.inf
     x = np.zeros_like(b)
     for v, c in zip(V, best):
         x += c * v
-    return x, r, error / beta
+    return x / scale, z, error / beta
 
 
 def _extend(V: list[Floats], H: Floats, w: Floats, k: int, beta: float) -> tuple[Floats, float]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from febkit.solver.forecast import Forecast, Past
+from febkit.solver.forecast import Forecast, Guess, Past
+from febkit.solver.vectors import norm
 
 A, B = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -4.0])
 
@@ -41,3 +42,35 @@ def test_what_goes_with_the_run_is_learnt(learns: bool) -> None:
         forecast.learn(dt, 3.0 * grown)
         run.add(dt, grown)
     assert (off[-1] < 1e-8) == learns
+
+
+def test_a_guess_follows_a_steady_growth_and_its_trend() -> None:
+    """Two fields that grow as t + a t^2, ten orders of magnitude apart, in steps of a length."""
+    fields = [np.arange(20), np.arange(20, 30)]
+    size = np.where(np.arange(30) < 20, 1e-6, 1e4) * np.linspace(1.0, 2.0, 30)
+    given, guess, off = np.zeros(30), Guess(30, fields), []
+    for k in range(8):
+        x = size * (0.1 + 0.02 * (2 * k + 1))
+        told = guess(0.1, given)
+        off.append(np.inf if told is None else max(norm(told[f] - x[f]) / norm(x[f]) for f in fields))
+        guess.learn(0.1, x)
+    assert off[:2] == [np.inf, np.inf] and off[-1] < 1e-3
+    saved = guess.snapshot()
+    twice = [guess(0.1, given)]
+    guess.learn(0.1, -size)
+    assert guess(0.1, given) is None  # it was wrong
+    guess.restore(saved)
+    twice.append(guess(0.1, given))
+    assert twice[0] is not None and twice[1] is not None and (twice[0] == twice[1]).all()
+
+
+def test_no_guess_where_what_is_prescribed_goes_otherwise() -> None:
+    guess, given = Guess(4, [np.arange(4)]), np.array([0.0, 0.0, 0.0, 0.2])
+    for _ in range(4):
+        guess(0.1, given)
+        guess.learn(0.1, np.ones(4))
+    assert guess(0.1, given) is not None
+    guess.learn(0.1, np.ones(4))
+    assert guess(0.2, 2.0 * given) is not None  # as fast
+    guess.learn(0.2, 2.0 * np.ones(4))
+    assert guess(0.1, np.zeros(4)) is None  # held

@@ -258,7 +258,7 @@ def test_tissues_side_by_side_share_cells_and_control(tmp_path):
     assert own is not None and set(own.steps()) < set(p.steps())  # the same steps, whatever they are called here
     for bad, said in {
         "[variants.tissue]\nm = [3, 5]": r"\[tissue\] with \[variants.tissue\]: 'm' is no parameter",
-        "[variants]\nn = [3, 5]\n[variants.tissue]\nvertical = [3]": "tissue.vertical of .variants. must be a list as long",
+        "[variants]\nn = [3, 5]\n[variants.tissue]\nvertical = [3]": "tissue.vertical of .* must be a list as long",
         "[variants.embedded]\nn = [3, 5]": "needs lists of parameters of .cell.",
         "[variants.tissue]\nedge = [1.0, 2.0]\n[points]\nz = [0.0, 0.1]": "must be the same in all",
     }.items():

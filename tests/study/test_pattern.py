@@ -124,3 +124,16 @@ def test_table_2_beside_ours():
     rows = {str(r[0]): r for r in t.rows}
     assert rows["D 2"][t.columns.index("effective strain")] == "0.133 (0.133)"
     assert rows["D 2/1"][t.columns.index("effective strain")] == "0.133"  # not printed in the study
+
+
+def test_variants_stand_side_by_side():
+    errors, exchange = as_published()
+    found = {"fine": list(pattern.statements(METHODS, *study(errors, exchange)))}
+    errors["B", "2"] = dict.fromkeys(METRICS, 0.3)
+    found["coarse"] = list(pattern.statements(METHODS, *study({k: errors[k] for k in errors if k[0] == "B"}, exchange)))
+    t = pattern.side_by_side(found)
+    assert t.columns == ["statement", "recovery", "fine", "coarse"] and len(t.rows) == 8
+    b = next(r for r in t.rows if str(r[0]).startswith("B"))
+    assert str(b[2]).startswith("holds: effective strain 0.40 (0.40)")
+    assert str(b[3]).startswith("does not hold: effective strain 0.94 (0.40)")
+    assert all(r[3] == "" for r in t.rows if r is not b)  # of the others it has nothing
