@@ -12,7 +12,19 @@ import numpy as np
 
 from ..jit import kernel
 from .return_map import determinant, product
-from .tensors import add_identity, eigen, left_cauchy_green, right_cauchy_green
+from .tensors import (
+    add_circle,
+    add_deviatoric_stress,
+    add_deviatoric_tangent,
+    add_dyad,
+    add_identity,
+    clear,
+    eigen,
+    left_cauchy_green,
+    right_cauchy_green,
+    square,
+    trace,
+)
 
 
 @kernel
@@ -228,6 +240,58 @@ def add_neo_hookean(F, J, gen, count, w, par, intact, rest, s, c):
                     s[i, m] += pressure - shear
         if len(c) > 0:
             add_identity(c, i, k1, k4)
+
+
+@kernel
+def add_mooney_rivlin(F, J, gen, count, w, par, intact, rest, s, c):
+    """Add distortional stress and tangent of Mooney-Rivlin bonds, ``par`` (1|n, 2) c1 and c2; as
+    :func:`add_neo_hookean`. Tensions of all generations are summed before their deviator is taken: J_(g-1) w_g / J."""
+    b, b2, T, h = np.empty(6), np.empty(6), np.empty(6), np.empty((1, 6, 6))
+    G, Ui = np.empty((1, 3, 3)), np.empty((3, 3))
+    for i in range(len(J)):
+        m = i if len(par) > 1 else 0
+        c1, c2 = par[m, 0], par[m, 1]
+        clear(T, h)
+        for g in range(w.shape[1]):
+            k = w[i, g]
+            if k == 0.0:
+                continue
+            if 0 < g < count[i]:
+                inverse_of(gen[i, g - 1, 5:11], Ui)
+                product(F[i], Ui, G[0])
+                left_cauchy_green(G, 0, (J[i] / gen[i, g - 1, 1]) ** (-2.0 / 3.0), b)
+            else:
+                left_cauchy_green(F, i, J[i] ** (-2.0 / 3.0), b)
+            square(b, b2)
+            first, second = 2.0 * k * (c1 + trace(b) * c2), 2.0 * k * c2
+            for p in range(6):
+                T[p] += first * b[p] - second * b2[p]
+            if len(c) > 0 and c2 != 0.0:
+                add_dyad(h, 0, 2.0 * second, b)
+                add_circle(h, 0, -2.0 * second, b)
+        if not rest:
+            add_deviatoric_stress(s, i, intact[i] / J[i], T)
+        if len(c) > 0:
+            add_deviatoric_tangent(c, i, intact[i] / J[i], T, h)
+
+
+@kernel
+def born_along(a, gen, count, used, iso, A):
+    """Fibers A (n, b, 3) that F stretches as a generation of ``used`` is stretched along ``a`` (1|n, 3), which it has
+    been since its birth: U^-1 a, or J^1/3 U^-1 a where ``iso``, (U, J) the state in which it was born."""
+    Ui = np.empty((3, 3))
+    for i in range(A.shape[0]):
+        d = i if len(a) > 1 else 0
+        for k in range(len(used)):
+            g = used[k]
+            if g == 0 or g >= count[i]:
+                for r in range(3):
+                    A[i, k, r] = a[d, r]
+                continue
+            inverse_of(gen[i, g - 1, 5:11], Ui)
+            scale = gen[i, g - 1, 1] ** (1.0 / 3.0) if iso else 1.0
+            for r in range(3):
+                A[i, k, r] = scale * (Ui[r, 0] * a[d, 0] + Ui[r, 1] * a[d, 1] + Ui[r, 2] * a[d, 2])
 
 
 @kernel

@@ -8,10 +8,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..kernels.fibers import add_fibers, squared_stretch
 from ..kernels.generations import (
     add_bonds,
+    add_mooney_rivlin,
     add_neo_hookean,
     ages,
+    born_along,
     fractions,
     grow,
     since_birth,
@@ -22,7 +25,8 @@ from ..points import Points
 from .base import Floats, Number, Property, Solid, unwritten, wanted
 from .batches import states
 from .continuous_fibers import ContinuousFibers, ContinuousFibersUncoupled
-from .fiber import Fiber, UncoupledFiber
+from .fiber import Fiber, UncoupledFiber, directions
+from .mooney_rivlin import MooneyRivlin, MooneyRivlinAD
 from .neo_hookean import NeoHookean, NeoHookeanAD
 from .registry import register
 from .uncoupled import Uncoupled, distortional, distortional_energy
@@ -32,7 +36,12 @@ _HEAD = 10  # number of generations, F of the last state
 _EACH = 11  # per generation: v, J, f, recruited, K2, U
 _V, _J, _F, _R, _K = range(5)
 _U = slice(5, 11)
-_NEO_HOOKEAN = (NeoHookean, NeoHookeanAD)
+_TOGETHER = {
+    NeoHookean: add_neo_hookean,
+    NeoHookeanAD: add_neo_hookean,
+    MooneyRivlin: add_mooney_rivlin,
+    MooneyRivlinAD: add_mooney_rivlin,
+}  # kernels of all generations at once, by the bond
 _ALL, _NONE_BEFORE, _NO_STRESS = np.empty(0), np.empty((0, 0)), np.empty((0, 6))
 _BATCH = 1 << 13  # points of all generations evaluated at a time
 Law = Callable[[Points, Floats, Floats | None], None]
@@ -138,14 +147,17 @@ class _Bonds:
         """What each generation weighs (n, g), recruited bonds counted; all is of the first where there is none."""
         return self._weights(pts, gen[:, : max(int(count.max(initial=0)), 1)], rate, count)
 
-    def _states(self, pts: Points, gen: Floats, count: Floats, rate: Floats) -> Any:
-        """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
-        n, w = pts.n, self._fractions(pts, gen, count, rate)
+    def _batches(self, n: int, w: Floats) -> Any:
+        """Generations that weigh something, some at a time."""
         used = np.flatnonzero((w != 0.0).any(0))
         step = 1 if self._remembers() else max(1, _BATCH // n)
         for a in range(0, len(used), step):
-            some = used[a : a + step]
-            J = np.empty((n, len(some)))
+            yield used[a : a + step]
+
+    def _states(self, pts: Points, gen: Floats, count: Floats, w: Floats) -> Any:
+        """(points as a batch of generations sees them, generations in it, weights (n, b), J at birth (n, b))."""
+        for some in self._batches(pts.n, w):
+            J = np.empty((pts.n, len(some)))
             yield self._repeat(pts, gen, count, some, J), len(some), w[:, some], J
 
     def _remembers(self) -> bool:
@@ -180,23 +192,46 @@ class _Bonds:
         gen, count, rate = self._advance(within, strong)
         intact = np.full(pts.n, 1.0)
         intact -= self.elastic.broken(within)  # type: ignore[union-attr]
-        if type(self.bond) in _NEO_HOOKEAN:
-            w, par = self._fractions(within, gen, count, rate), self.bond.par(within)  # type: ignore[union-attr]
-            add_neo_hookean(within.F, within.J, gen, count, w, par, intact, rest, s, wanted(c))
+        w = self._fractions(within, gen, count, rate)
+        alike = isinstance(self.bond, Uncoupled) == isinstance(self, Uncoupled)
+        together = _TOGETHER.get(type(self.bond)) if alike else None  # type: ignore[arg-type]
+        if together is not None:
+            par = self.bond.par(within)  # type: ignore[union-attr]
+            together(within.F, within.J, gen, count, w, par, intact, rest, s, wanted(c))
+            return
+        if alike and self._sum_fibers(within, gen, count, intact[:, None] * w, np.zeros_like(s) if rest else s, c):
             return
         bears = _NO_STRESS if rest else s
-        for at, _, w, J in self._states(within, gen, count, rate):
+        for at, _, wb, J in self._states(within, gen, count, w):
             sb = np.zeros((at.n, 6))
             cb = None if c is None else np.zeros((at.n, 6, 6))
             bond(at, sb, cb)
-            add_bonds(intact[:, None] * w / J, sb, wanted(cb), bears, wanted(c))
+            add_bonds(intact[:, None] * wb / J, sb, wanted(cb), bears, wanted(c))
+
+    def _sum_fibers(self, pts: Points, gen: Floats, count: Floats, w: Floats, s: Floats, c: Floats | None) -> bool:
+        """Add the bonds of all generations where they are fibers without a shear term: they pull along directions of
+        their own. False where they are not."""
+        bond = self.bond
+        if not isinstance(bond, (Fiber, UncoupledFiber)) or self._remembers():
+            return False
+        a = directions(bond.fiber, bond.inner(pts))
+        for some in self._batches(pts.n, w):
+            A, In, sn, cn = np.empty((pts.n, len(some), 3)), *(np.empty((pts.n, len(some))) for _ in range(3))
+            born_along(a, gen, count, some, bond.iso, A)
+            squared_stretch(pts.F, pts.J, A, bond.iso, In)
+            g = bond.tension(pts, In, sn, cn)
+            if g.size:
+                return False
+            add_fibers(pts.F, pts.J, A, np.ascontiguousarray(w[:, some]), In, sn, cn, g, bond.iso, s, wanted(c))
+        return True
 
     def _sum_energy(self, pts: Points, energy: Callable[[Solid, Points], Floats], law: Law) -> Floats:
         within = self.inner(unwritten(pts))  # type: ignore[attr-defined]
         gen, count, rate = self._advance(within, law)
         intact = 1.0 - self.elastic.broken(within)  # type: ignore[union-attr]
         out = energy(self.elastic, within)  # type: ignore[arg-type]
-        for at, b, w, _ in self._states(within, gen, count, rate):
+        fractions = self._fractions(within, gen, count, rate)
+        for at, b, w, _ in self._states(within, gen, count, fractions):
             out = out + intact * (w * energy(self.bond, at).reshape(pts.n, b)).sum(1)  # type: ignore[arg-type]
         return out
 

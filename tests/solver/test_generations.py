@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from febkit.solver.kernels.generations import add_bonds, add_neo_hookean, ages, fractions, grow, since_birth
+from febkit.solver.kernels.fibers import squared_stretch
+from febkit.solver.kernels.generations import (
+    add_bonds,
+    add_mooney_rivlin,
+    add_neo_hookean,
+    ages,
+    born_along,
+    fractions,
+    grow,
+    since_birth,
+)
 from febkit.solver.points import Points
-from febkit.solver.solids.base import evaluate
+from febkit.solver.solids import reactive_viscoelastic
 from febkit.solver.solids.registry import load
 
 
@@ -102,26 +114,90 @@ def test_sums_over_bonds() -> None:
     np.testing.assert_allclose(S - before, np.einsum("ng,ngi->ni", w, s.reshape(3, 4, 6)))
 
 
-def test_neo_hookean_bonds_are_those_of_the_law_since_birth() -> None:
+def _born(n: int, m: int) -> tuple[np.ndarray, ...]:
+    """F and J of n points, m generations (n, m, 11), how many there are, what they weigh."""
     rng = np.random.default_rng(7)
-    n, m = 3, 4
     F, U = np.eye(3) + 0.2 * rng.normal(size=(n, 3, 3)), np.eye(3) + 0.1 * rng.normal(size=(n, m, 3, 3))
     J, U = np.linalg.det(F), 0.5 * (U + np.swapaxes(U, -1, -2))
     gen, count, w = np.zeros((n, m, 11)), np.array([4.0, 2.0, 0.0]), rng.uniform(0.1, 1.0, (n, m))
     gen[:, :, 1] = np.linalg.det(U)
     gen[:, :, 5:] = U[:, :, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
-    law, intact = load("solid", "neo-Hookean")(E=2.0, v=0.3), np.array([1.0, 0.5, 0.2])
+    return F, J, gen, count, w
+
+
+@pytest.mark.parametrize(("add", "name", "given"), [
+    (add_neo_hookean, "neo-Hookean", {"E": 2.0, "v": 0.3}),
+    (add_mooney_rivlin, "Mooney-Rivlin", {"c1": 2.0, "c2": 0.3}),
+    (add_mooney_rivlin, "Mooney-Rivlin", {"c1": 2.0, "c2": 0.0}),
+])  # fmt: skip
+def test_bonds_of_all_generations_are_those_of_the_law(add: Any, name: str, given: dict[str, float]) -> None:
+    n, m = 3, 4
+    F, J, gen, count, w = _born(n, m)
+    law, intact = load("solid", name)(**given), np.array([1.0, 0.5, 0.2])
     Fg, Jg, Jb = np.empty((n * m, 3, 3)), np.empty(n * m), np.empty((n, m))
     since_birth(F, J, gen, count, np.arange(m), 1, 5, Fg, Jg, Jb)
-    s, c = evaluate(law, Points.at(Fg))
+    s, c = np.zeros((n * m, 6)), np.zeros((n * m, 6, 6))
+    (law.dev if hasattr(law, "dev") else law.stress)(Points.at(Fg), s, c)
     want, got = ((np.zeros((n, 6)), np.zeros((n, 6, 6))) for _ in range(2))
     add_bonds(intact[:, None] * w / Jb, s, c, *want)
-    add_neo_hookean(F, J, gen, count, w, np.array([[2.0, 0.3]]), intact, False, *got)
+    par = np.array([list(given.values())])
+    add(F, J, gen, count, w, par, intact, False, *got)
     for a, b in zip(got, want, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-12)
     s, c = np.zeros((n, 6)), np.zeros((0, 6, 6))
-    add_neo_hookean(F, J, gen, count, w, np.array([[2.0, 0.3]]), intact, True, s, c)
+    add(F, J, gen, count, w, par, intact, True, s, c)
     assert not s.any()
+
+
+@pytest.mark.parametrize("iso", [False, True])
+def test_fibers_of_bonds_pull_along_what_they_were_born_as(iso: bool) -> None:
+    """In of F U^-1 along a, and the spatial direction, for all generations and those that there are not."""
+    n, m = 3, 4
+    F, J, gen, count, _ = _born(n, m)
+    a, used = np.array([[0.6, 0.0, 0.8]]), np.arange(m)
+    Fg, Jg, Jb = np.empty((n * m, 3, 3)), np.empty(n * m), np.empty((n, m))
+    A, In = np.empty((n, m, 3)), np.empty((n, m))
+    since_birth(F, J, gen, count, used, 1, 5, Fg, Jg, Jb)
+    born_along(a, gen, count, used, iso, A)
+    squared_stretch(F, J, A, iso, In)
+    v = Fg @ a[0] * (Jg[:, None] ** (-1.0 / 3.0) if iso else 1.0)
+    np.testing.assert_allclose(In.ravel(), (v**2).sum(1), rtol=1e-12)
+    seen = np.einsum("nij,ngj->ngi", F, A) * (J[:, None, None] ** (-1.0 / 3.0) if iso else 1.0)
+    np.testing.assert_allclose(seen.reshape(-1, 3), v, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("bond", ["fiber-exp-pow", "Mooney-Rivlin"])
+def test_sums_over_generations_are_those_of_bonds_one_by_one(bond: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A solid whose strain changes at each of ten times, with and without what sums over its bonds."""
+    own = {"fiber-exp-pow": {"ksi": 2.0, "beta": 2.5}, "Mooney-Rivlin": {"c1": 1.0, "c2": 0.5}}[bond]
+    kind = "uncoupled reactive viscoelastic" if bond == "Mooney-Rivlin" else "reactive viscoelastic"
+    relaxation = load("relaxation", "relaxation-exponential")(tau=0.4)
+
+    def stresses() -> list[np.ndarray]:
+        make = load("solid", bond)
+        solid = load("solid", kind)(elastic=make(**own), bond=make(**own), relaxation=relaxation)
+        solid.offset, old, out = 0, solid.initial(2), []
+        for k in range(10):
+            F = np.eye(3) + 0.03 * (k + 1) * np.array([[[1.0, 0.4, 0.0], [0.0, -0.5, 0.1], [0.2, 0.0, 0.7]]] * 2)
+            F[1] = F[1].T
+            new = old.copy()
+            pts = Points.at(F, t=0.1 * (k + 1), dt=0.1, old=old, new=new)
+            solid.room(pts)
+            if solid.history > old.shape[1]:
+                old = np.pad(old, ((0, 0), (0, solid.history - old.shape[1])))
+                pts = Points.at(F, t=0.1 * (k + 1), dt=0.1, old=old, new=old.copy())
+            s, c = np.zeros((2, 6)), np.zeros((2, 6, 6))
+            (solid.dev if hasattr(solid, "dev") else solid.stress)(pts, s, c)
+            out += [s, c]
+            old = pts.new
+        return out
+
+    together = stresses()
+    monkeypatch.setattr(reactive_viscoelastic, "_TOGETHER", {})
+    monkeypatch.setattr(reactive_viscoelastic._Bonds, "_sum_fibers", lambda *a: False)
+    for a, b in zip(together, stresses(), strict=True):
+        assert b.any()
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
 
 
 def test_fractions_of_both_types() -> None:
