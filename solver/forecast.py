@@ -13,6 +13,7 @@ from .vectors import dot, norm
 Floats = NDArray[np.float64]
 STEPS = 6  # before the present one that are looked at
 MANY = 1000  # unknowns of a field from which it is learnt
+CALM = 3  # steps in which no guess is taken from one that was cut on
 NEAR = 0.25  # relative error of the last step's guess up to which the next is trusted
 FADE = 0.3  # what counts of the steps before the last one in what is learnt
 
@@ -60,6 +61,7 @@ class Guess:
         self._told: Floats | None = None  # of the present step
         self._fit = (0.0, 0.0)  # of the trend: products with what was right, and with itself
         self._near = False  # was the last step's?
+        self._wait = 0  # steps that it is not to be trusted whatever it tells
 
     def __call__(self, dt: float, given: Floats) -> Floats | None:
         """What they grow by in a step dt; None where it is not to be trusted. ``given``: what prescribed ones do."""
@@ -73,7 +75,11 @@ class Guess:
         self._told = mean + (min(max(right / own, 0.0), 1.0) if own else 0.0) * trend
         self._mean, self._trend = mean, trend
         steady = norm(given - (dt / length) * last) <= NEAR * norm(given)
-        return self._told if self._near and steady else None
+        return self._told if self._near and steady and not self._wait else None
+
+    def doubt(self) -> None:
+        """A step was cut: where the size of steps decides over the answer, they begin where FEBio's do."""
+        self._wait = CALM
 
     def learn(self, dt: float, x: Floats) -> None:
         """The step dt is over, in which they grew by x."""
@@ -88,13 +94,14 @@ class Guess:
             self._fit, self._near = (right, own), error < NEAR
         else:
             self._near = len(self._past.steps) > 0
+        self._wait = max(0, self._wait - 1)
         self._past.add(dt, x)
 
     def snapshot(self) -> tuple[Any, ...]:
-        return list(self._past.steps), self._fit, self._near, self._given
+        return list(self._past.steps), self._fit, self._near, self._wait, self._given
 
     def restore(self, saved: tuple[Any, ...]) -> None:
-        steps, self._fit, self._near, self._given = saved
+        steps, self._fit, self._near, self._wait, self._given = saved
         self._past.steps, self._told = list(steps), None
 
 

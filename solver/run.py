@@ -365,6 +365,8 @@ class Run:
                     return f"{why}, at time {t:g}{self._retried(e)}"
                 how = other
                 self.totals.retries += 1
+                if newton.guess is not None:
+                    newton.guess.doubt()
                 continue
             self._add(counts)
             if not good:

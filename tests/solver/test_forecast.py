@@ -74,3 +74,14 @@ def test_no_guess_where_what_is_prescribed_goes_otherwise() -> None:
     assert guess(0.2, 2.0 * given) is not None  # as fast
     guess.learn(0.2, 2.0 * np.ones(4))
     assert guess(0.1, np.zeros(4)) is None  # held
+
+
+def test_no_guess_after_a_step_that_was_cut() -> None:
+    guess, given = Guess(4, [np.arange(4)]), np.zeros(4)
+    taken = []
+    for k in range(10):
+        taken.append(guess(0.1, given) is not None)
+        if k == 5:
+            guess.doubt()
+        guess.learn(0.1, np.ones(4))
+    assert taken == [False, False, True, True, True, True, False, False, True, True]
