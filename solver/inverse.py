@@ -38,7 +38,7 @@ class Use:
     ``exact``: relative error of K^-1 by iterations, over older ones or those of single precision (``single``); 0: each
     tangent is factorised. ``leans``: those of earlier time steps stand in for the tangent's. ``dear``: how many solves
     one costs where it is kept for later tangents. ``doubles``: there is memory for one of double precision where single
-    is not enough.
+    is not enough; ``pairs``: for two that are dear.
     """
 
     exact: float = 0.0
@@ -46,6 +46,7 @@ class Use:
     leans: bool = False
     dear: float = 20.0
     doubles: bool = True
+    pairs: bool = True
 
 
 FRESH = Use()
@@ -256,9 +257,10 @@ class Inverse:
     # ---- costs ------------------------------------------------------------------------------------
     @property
     def ratio(self) -> float:
-        """Solves that take as long as a factorisation: (nnz(L) / n / 170)^2, measured from 2e4 to 6e5 equations."""
+        """Solves that take as long as a factorisation: (nnz(L) / n / 130)^2, measured from 2e4 to 6e5 equations (170 on
+        an Intel Xeon, 115 to 135 on an AMD EPYC with AVX-512)."""
         stats = self.solver.stats
-        return float((stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 170.0) ** 2)
+        return float((stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 130.0) ** 2)
 
     @property
     def _dear(self) -> bool:
@@ -278,8 +280,8 @@ class Inverse:
     @property
     def _room(self) -> int:
         """Two factorisations to lean on, as steps alternate between long ones and short ones before must points; else
-        one, as where they are large or the solver keeps none."""
-        return 2 if self.use.leans and not self._dear and "factor_entries" in self.solver.stats else 1
+        one, as where they take much memory or the solver keeps none."""
+        return 2 if self.use.leans and self.use.pairs and "factor_entries" in self.solver.stats else 1
 
     # ---- checkpoints ------------------------------------------------------------------------------
     def snapshot(self, matrix: Callable[[], Matrix]) -> Any:
