@@ -38,7 +38,7 @@ class Use:
     ``exact``: relative error of K^-1 by iterations, over older ones or those of single precision (``single``); 0: each
     tangent is factorised. ``leans``: those of earlier time steps stand in for the tangent's. ``dear``: how many solves
     one costs where it is kept for later tangents. ``doubles``: there is memory for one of double precision where single
-    is not enough; ``pairs``: for two that are dear.
+    is not enough.
     """
 
     exact: float = 0.0
@@ -46,7 +46,6 @@ class Use:
     leans: bool = False
     dear: float = 20.0
     doubles: bool = True
-    pairs: bool = True
 
 
 FRESH = Use()
@@ -280,8 +279,8 @@ class Inverse:
     @property
     def _room(self) -> int:
         """Two factorisations to lean on, as steps alternate between long ones and short ones before must points; else
-        one, as where they take much memory or the solver keeps none."""
-        return 2 if self.use.leans and self.use.pairs and "factor_entries" in self.solver.stats else 1
+        one, as where they are large or the solver keeps none."""
+        return 2 if self.use.leans and not self._dear and "factor_entries" in self.solver.stats else 1
 
     # ---- checkpoints ------------------------------------------------------------------------------
     def snapshot(self, matrix: Callable[[], Matrix]) -> Any:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
 CONTACT_EQUATIONS = 20_000  # the same with contact: on coarse surfaces rounding may decide which facet a node meets
-SPARE = 4.0  # of the memory that a factorisation takes must be there before a second one is kept
 LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
 
@@ -41,8 +40,8 @@ class Route:
             if need > left:
                 first.close()
                 name, use, first = "iterative", FRESH, self._in_its_place(need, left)
-            else:
-                use = replace(use, doubles=2.0 * need <= left, pairs=SPARE * need <= left)
+            elif 2.0 * need > left:
+                use = replace(use, doubles=False)
         spare = [first]
         return lambda: spare.pop() if spare else self.solver(name, use.single), use
 

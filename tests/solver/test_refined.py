@@ -118,28 +118,17 @@ def test_or_iterated_where_memory_is_short(small: None, monkeypatch: pytest.Monk
     assert np.linalg.norm(run.state.d - exact.state.d) < 1e-5 * np.linalg.norm(exact.state.d)
 
 
-def test_memory_for_double_precision_and_for_a_second_one_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a factorisation of single precision that fits just so, twice and more, and four times."""
+def test_memory_for_double_precision_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a factorisation of single precision that fits just so."""
     monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
     uses = []
-    for share in (1.5, 2.5, 4.5):
+    for share in (1.5, 2.5):
         run = Run(SCENES["solid"](), [], Options(threads=1, memory=1.0))
         monkeypatch.setattr(Pardiso, "memory", lambda self, A, share=share: 1e9 / share)
         monkeypatch.setattr("febkit.solver.linear.choose.DENSE_LIMIT", 0)
         assert run.solve().converged
-        use = run.newton.inverse.use
-        uses.append((use.doubles, use.pairs))
-    assert uses == [(False, False), (True, False), (True, True)]
-
-
-def test_two_dear_factorisations_where_there_is_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of long steps and of short ones before must points."""
-    monkeypatch.setattr(Inverse, "ratio", property(lambda self: 60.0))
-    for pairs in (True, False):
-        kept = Inverse(Pardiso, Clock(), replace(LEANING, pairs=pairs))
-        for dt in (1.0, 0.01, 1.1):
-            kept.factorise(tangent(1, 0.1), dt)
-        assert [f.dt for f in kept._kept] == ([1.1, 0.01] if pairs else [1.1])
+        uses.append(run.newton.inverse.use.doubles)
+    assert uses == [False, True]
 
 
 # ---- rent or buy ----------------------------------------------------------------------------------
