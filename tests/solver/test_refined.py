@@ -63,6 +63,7 @@ def solved(make: Callable[[], Problem]) -> Run:
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small models go the way of large ones."""
     monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
+    monkeypatch.setattr(route, "REFINE_EQUATIONS", 0)
 
 
 @pytest.mark.parametrize("dear", [False, True])
@@ -121,6 +122,7 @@ def test_or_iterated_where_memory_is_short(small: None, monkeypatch: pytest.Monk
 def test_memory_for_double_precision_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a factorisation of single precision that fits just so."""
     monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
+    monkeypatch.setattr(route, "REFINE_EQUATIONS", 0)
     uses = []
     for share in (1.5, 2.5):
         run = Run(SCENES["solid"](), [], Options(threads=1, memory=1.0))
