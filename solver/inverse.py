@@ -256,10 +256,9 @@ class Inverse:
     # ---- costs ------------------------------------------------------------------------------------
     @property
     def ratio(self) -> float:
-        """Solves that take as long as a factorisation: (nnz(L) / n / 130)^2, measured from 2e4 to 6e5 equations (170 on
-        an Intel Xeon, 115 to 135 on an AMD EPYC with AVX-512)."""
+        """Solves that take as long as a factorisation: (nnz(L) / n / 170)^2, measured from 2e4 to 6e5 equations."""
         stats = self.solver.stats
-        return float((stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 130.0) ** 2)
+        return float((stats.get("factor_entries", 0.0) / max(stats.get("equations", 1.0), 1.0) / 170.0) ** 2)
 
     @property
     def _dear(self) -> bool:
