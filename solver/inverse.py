@@ -175,6 +175,9 @@ class Inverse:
         """K^-1 b: by its factorisation, or by iterations; where these are slow K is factorised after all."""
         if self._inner is not None and self._spent:
             self._give_up()
+        if self._inner is not None and self._at is not None and not self._at.rough < ROUGH:
+            with self._clock("linear solves"):
+                return self._thorough(b)
         if self._inner is not None:
             assert self._A is not None and self._at is not None
             before = self._inner.solves
@@ -239,7 +242,21 @@ class Inverse:
         """K^-1 b by iterations over K's own factorisation, as for all its systems."""
         assert self._A is not None
         self._inner = Recycled(self._A, f.solver.solve, fields=self._fields)
-        return self._inner.solve(b, self.use.exact, MOST)[0]
+        return self._thorough(b)
+
+    def _thorough(self, b: Floats) -> Floats:
+        """K^-1 b by iterations over a factorisation that is rough: what rounding in its solves hides from them, and in
+        the directions of other systems, is told by the residual that they leave."""
+        assert self._A is not None
+        inner = Recycled(self._A, self.solver.solve, fields=self._fields)
+        x, before = inner.solve(b, self.use.exact, MOST)[0], np.inf
+        while before > self.use.exact * norm(x):
+            more = inner.solve(b - matvec(self._A, x), self.use.exact, MOST)[0]
+            if not norm(more) < 0.5 * before:
+                break
+            x += more
+            before = norm(more)
+        return x
 
     def refined(self, b: Floats) -> Floats:
         """K^-1 b with a step of GMRES where the fresh factorisation is of single precision."""
