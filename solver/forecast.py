@@ -58,7 +58,8 @@ class Guess:
     def __init__(self, n: int, fields: list[NDArray[np.int64]]) -> None:
         self._n, self._fields, self._past = n, fields, Past()
         self._given: tuple[float, Floats] = (1.0, np.zeros(n))  # the last step, and what prescribed unknowns grew by
-        self._told: Floats | None = None  # of the present step
+        self._told: Floats | None = None  # of the present step,
+        self._mean = self._trend = self._given[1]  # and what it is made of
         self._fit = (0.0, 0.0)  # of the trend: products with what was right, and with itself
         self._near = False  # was the last step's?
         self._wait = 0  # steps that it is not to be trusted whatever it tells

@@ -142,7 +142,7 @@ class Inverse:
         if self._inner is not None:
             self._vain = 0
         f = self.near(dt, WIDE_RATIO) if self.use.exact and self._kept and self._dear else None
-        if f is None or f.tired(self.ratio):
+        if f is None or f.tired(self.ratio) or f.rough >= ROUGH:
             return False
         if self._skip:
             self._skip -= 1

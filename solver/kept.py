@@ -29,9 +29,9 @@ class Kept(Loop):
         super().__init__(newton)
         self.leans, self._left = leans, np.inf  # last increment over the one allowed
         self._own: Update = self.qn
-        layout, eqs = newton.system.layout, newton.system.eqs
-        fields = [layout.equations(f, eqs.column) for f in layout.normed] if layout.mixed else []
-        self._anderson = Anderson(lambda b: newton.on_rows(newton.inverse.once, b), newton.options, fields=fields)
+        self._anderson = Anderson(
+            lambda b: newton.on_rows(newton.inverse.once, b), newton.options, fields=newton.fields
+        )
 
     def start(self, given: Floats) -> tuple[Floats, Floats | None]:
         n = self.newton

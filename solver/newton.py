@@ -91,10 +91,9 @@ class Newton:
         self.augments = any(g.physics.augments for g in system.groups) or any(a.augments for a in system.acting)
         self.before_augment: Callable[[], None] = lambda: None  # told of solutions whose multipliers are renewed next
         self.guess: Guess | None = None  # where steps begin to look, if they do not lean on the state before
-        plain = system.bodies is None and system.rotations is None
-        if self.leans and plain:
-            whole = [layout.equations(f, system.eqs.column) for f in layout.normed]
-            self.guess = Guess(system.eqs.n, whole)
+        self.fields = [layout.equations(f, system.eqs.column) for f in layout.normed]
+        if self.leans and system.bodies is None and system.rotations is None:
+            self.guess = Guess(system.eqs.n, self.fields)
         self.fresh: Strategy = Loop(self)
         self.usual: Strategy = self.fresh
         if self.leans:
@@ -239,7 +238,8 @@ class Newton:
 
     # ---- what a failed try gives back -------------------------------------------------------------
     def snapshot(self) -> Any:
-        """The unknowns at the last converged state, the steps before it and the easy ones, and the way along an arc."""
+        """The unknowns at the last converged state, the steps before it and the easy ones, the way along an arc, and
+        what a guess is told from."""
         parts = (self.arc, self.guess)
         return self.total.copy(), self.calm, self.steps, *(None if p is None else p.snapshot() for p in parts)
 

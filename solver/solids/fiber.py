@@ -79,6 +79,10 @@ class FiberLaw:
         fiber, or an array (0, 0)."""
         raise NotImplementedError
 
+    def shears(self, pts: Points) -> bool:
+        """Has it a shear term?"""
+        return False
+
     def fiber_energy(self, pts: Points, In: Floats) -> Floats:
         """W(In) (n, m) per reference volume."""
         raise NotImplementedError(f"{type(self).__name__} gives no strain energy")

@@ -30,6 +30,9 @@ class _Chain(FiberLaw):
         cn[:] = np.where(on, 2.0 * In * In * ksi / N * slope, 0.0)
         return np.ascontiguousarray(np.where(on, mu, 0.0)) if mu.any() else np.empty((0, 0))
 
+    def shears(self, pts: Points) -> bool:
+        return bool(self._three(pts)[2].any())
+
     def fiber_energy(self, pts: Points, In: Floats) -> Floats:
         N, ksi, _ = self._three(pts)
         c: Floats = np.array(list(COEFFICIENTS[: int(self.n_term)]))  # type: ignore[attr-defined]

@@ -45,6 +45,9 @@ class _ExpPow(FiberLaw):
         _tension(In, par, self._eps, sn, cn, g)
         return g
 
+    def shears(self, pts: Points) -> bool:
+        return bool(self._five(pts)[:, 3].any())
+
     def fiber_energy(self, pts: Points, In: Floats) -> Floats:
         alpha, beta, ksi, _, lam0 = self._five(pts).T[:, :, None]
         x = np.maximum(In - lam0**2, 0.0)

@@ -212,7 +212,7 @@ class _Bonds:
         """Add the bonds of all generations where they are fibers without a shear term: they pull along directions of
         their own. False where they are not."""
         bond = self.bond
-        if not isinstance(bond, (Fiber, UncoupledFiber)) or self._remembers():
+        if not isinstance(bond, (Fiber, UncoupledFiber)) or self._remembers() or bond.shears(pts):
             return False
         a = directions(bond.fiber, bond.inner(pts))
         for some in self._batches(pts.n, w):
@@ -220,8 +220,6 @@ class _Bonds:
             born_along(a, gen, count, some, bond.iso, A)
             squared_stretch(pts.F, pts.J, A, bond.iso, In)
             g = bond.tension(pts, In, sn, cn)
-            if g.size:
-                return False
             add_fibers(pts.F, pts.J, A, np.ascontiguousarray(w[:, some]), In, sn, cn, g, bond.iso, s, wanted(c))
         return True
 
