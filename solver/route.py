@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .system import System
 
 REUSE_EQUATIONS = 3000  # below, factorisations are too cheap to save
-REFINE_EQUATIONS = 10_000  # the same where iterations are to stay FEBio's: rounding may decide over a hard step
+POROUS_EQUATIONS = 10_000  # the same of mixtures whose iterations are to stay FEBio's: rounding may decide a hard step
 CONTACT_EQUATIONS = 20_000  # the same with contact: on coarse surfaces rounding may decide which facet a node meets
 LARGE = 50_000  # equations from which a factorisation might not fit in memory
 
@@ -71,7 +71,7 @@ class Route:
         transient = system.problem.diffuses and step.analysis == TRANSIENT
         if pinned and transient and not system.contacts:
             return LEANING
-        if self.rows < REFINE_EQUATIONS:
+        if system.problem.diffuses and self.rows < POROUS_EQUATIONS:
             return FRESH
         thin = any(g.shell for g in system.groups)  # whose bending single precision does not resolve
         return replace(REFINED, single=not thin)

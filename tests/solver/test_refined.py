@@ -63,7 +63,7 @@ def solved(make: Callable[[], Problem]) -> Run:
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small models go the way of large ones."""
     monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
-    monkeypatch.setattr(route, "REFINE_EQUATIONS", 0)
+    monkeypatch.setattr(route, "POROUS_EQUATIONS", 0)
 
 
 @pytest.mark.parametrize("dear", [False, True])
@@ -87,6 +87,13 @@ def test_iterations_and_answers_are_those_of_fresh_factorisations(
 
 def test_contact_and_small_models_are_solved_as_they_were() -> None:
     assert solved(SCENES["solid"]).newton.inverse.use == FRESH
+
+
+def test_small_mixtures_are_solved_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solids of their size are not."""
+    monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
+    assert solved(SCENES["fluid in equal steps"]).newton.inverse.use == FRESH
+    assert solved(SCENES["solid"]).newton.inverse.use == REFINED
 
 
 def test_full_newton_leans_on_nothing() -> None:
@@ -122,7 +129,7 @@ def test_or_iterated_where_memory_is_short(small: None, monkeypatch: pytest.Monk
 def test_memory_for_double_precision_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a factorisation of single precision that fits just so."""
     monkeypatch.setattr(route, "REUSE_EQUATIONS", 0)
-    monkeypatch.setattr(route, "REFINE_EQUATIONS", 0)
+    monkeypatch.setattr(route, "POROUS_EQUATIONS", 0)
     uses = []
     for share in (1.5, 2.5):
         run = Run(SCENES["solid"](), [], Options(threads=1, memory=1.0))
