@@ -109,7 +109,7 @@ class Pardiso:
     ``pivoting``: Bunch and Kaufman's from the first factorisation on.
     """
 
-    def __init__(self, threads: int = 0, single: bool = False, mixed: bool = False, pivoting: bool = False) -> None:
+    def __init__(self, threads: int = 1, single: bool = False, mixed: bool = False, pivoting: bool = False) -> None:
         lib = library()
         if lib is None:
             raise LinearError("MKL is not installed")
@@ -136,9 +136,11 @@ class Pardiso:
         ip[10] = 0 if A.symmetric else 1  # scaling
         ip[12] = 0 if A.symmetric else 1  # matching: quasi-definite matrices need none
         ip[17] = -1  # report factor entries
-        # two levels serve many threads; on two LDL^T takes a tenth longer by them, its analysis half as long again
-        few = A.symmetric and not self.pivoting and 0 < self._threads <= 4
-        ip[23] = 1 if A.n > 5000 and not few else 0
+        # several threads add in an order that does not depend on how busy each is: the same system has the same bits
+        several = self._threads > 1
+        ip[33] = self._threads if several else 0
+        # in two levels, without which solves by LDL^T would be one thread's then
+        ip[23] = int(several or (A.n > 5000 and (self.pivoting or not A.symmetric)))
         ip[27] = int(self.single)
         ip[34] = 1  # 0-based
 
@@ -160,8 +162,7 @@ class Pardiso:
 
     def _analyse(self, A: Matrix) -> Analysis:
         """Order the unknowns, once as long as the pattern arrays stay the same objects, over runs that share them."""
-        if self._threads:
-            self._lib.MKL_Set_Num_Threads(ctypes.c_int(self._threads))
+        self._lib.MKL_Set_Num_Threads(ctypes.c_int(self._threads))
         if self._own is not None and self._own.of(A):
             return self._own
         self.close()

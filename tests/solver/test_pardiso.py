@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
+from scipy import sparse
 
 from febkit.solver.linear.base import Matrix
 from febkit.solver.linear.pardiso import Pardiso, library
@@ -69,3 +73,34 @@ def test_pivoting_is_kept_for_what_follows():
     solver, _ = solved(full)
     solver.factor(upper(full))
     assert solver.stats["pivoting"] and solver.stats["perturbed_pivots"] == 0.0
+
+
+def grid(n: int, wind: float) -> Matrix:
+    """Diffusion on n^3 nodes; ``wind``: what carries along one axis, which takes symmetry away."""
+    line = sparse.diags_array([-1.0, 2.1, -1.0], offsets=[-1, 0, 1], shape=(n, n))
+    one = sparse.eye_array(n)
+    full = sum(sparse.kron(sparse.kron(a, b), c) for a, b, c in ((line, one, one), (one, line, one), (one, one, line)))
+    full = full + wind * sparse.kron(sparse.kron(sparse.diags_array([1.0], offsets=[1], shape=(n, n)), one), one)
+    A = (full if wind else sparse.triu(full)).tocsr()
+    A.sort_indices()
+    return Matrix(A.indptr.astype(np.int32), A.indices.astype(np.int32), A.data, not wind)
+
+
+@pytest.mark.parametrize("wind", [0.0, 0.3])
+def test_two_threads_solve_to_the_same_bits_however_busy_the_machine_is(wind):
+    """Left to themselves MKL's threads add in the order in which they come: which shows in some of these solves."""
+    A = grid(22, wind)
+    b = np.random.default_rng(0).random(A.n)
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2)]
+    try:
+        found = set()
+        for _ in range(2):
+            solver = Pardiso(2, single=True)
+            solver.factor(A)
+            found |= {solver.solve(b).tobytes() for _ in range(60)}
+            solver.close()
+    finally:
+        for p in busy:
+            p.kill()
+            p.wait()
+    assert len(found) == 1
