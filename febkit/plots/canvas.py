@@ -46,6 +46,11 @@ def _class() -> Any:
     return Shown
 
 
+def require() -> None:
+    """Raises InputError where there is nothing to draw with."""
+    _class()
+
+
 def blank(width: float, height: float, dpi: float = DPI, layout: str | None = "constrained") -> Any:
     """A figure of this size in inches, drawn without a display."""
     shown = _class()

@@ -12,6 +12,7 @@ from febkit.metrics.agreement import compare_orders, spread, usual
 from febkit.metrics.cells import METRICS
 from febkit.metrics.osmotic import split
 from febkit.model import InputError, Where
+from febkit.plots.canvas import require
 
 from . import gather, ions, maps, pattern
 from .models import CASES, template_of, values_of
@@ -29,9 +30,14 @@ SPOKEN = 20  # points of which each gets its own rows
 
 
 def write_report(plan: Plan, folder: str | Path, figures: bool = True) -> Iterator[Path]:
-    """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named."""
+    """Write metrics.nc, report.md and the figures; yields each path. What is not done yet is named.
+
+    Raises InputError, before anything is written, where ``figures`` are wanted and matplotlib is not there.
+    """
     import xarray as xr
 
+    if figures:
+        require()
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "metrics.nc"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ import febkit.solving
 from febkit import feb, study, templates
 from febkit import materials as mt
 from febkit.model import Component, InputError, MeshData, Where
+from febkit.plots import canvas
 from febkit.solver.run import Listener
 from febkit.study import work
 from febkit.study.again import smaller_steps
@@ -404,6 +406,16 @@ def test_maps_over_depth(measured, tmp_path):
     assert "zones by depth: top 0 to 0.3, deep 0.3 to 1" in text and "element 7 turned inside out" in text
     row = next(r for r in text.splitlines() if r.startswith("| 0.500 |"))
     assert row.split("|")[3:5] == [" deep ", " 2.7 [1.2, 4.2] "]  # of the two seeds
+
+
+def test_a_report_that_cannot_draw_says_so_before_it_writes(measured, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    monkeypatch.setattr(canvas, "_class", canvas._class.__wrapped__)
+    with pytest.raises(InputError, match="figures need matplotlib: pip install"):
+        list(study.write_report(measured, tmp_path / "report"))
+    assert not (tmp_path / "report").exists()
+    files = [p.name for p in study.write_report(measured, tmp_path / "report", figures=False)]
+    assert files == ["metrics.nc", "report.md"]
 
 
 # ---- solves ----------------------------------------------------------------------------------------
