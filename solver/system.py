@@ -428,19 +428,22 @@ class System:
         A.data[:] = 0.0
         if self.ties is not None:
             self.ties.aim(self.state, self.alphaf)
-        target = Target(pat, A, step)
+        rows, tied = np.zeros(A.n), np.zeros(self.eqs.n if self.ties is not None else 0)
+        targets = [Target(pat, A, step, rows, tied, first=i == 0) for i in range(self.schedule.n)]
 
         def work(share: Share) -> None:
             for g, c in share.chunks:
                 try:
-                    g.physics.tangent(c, self.state, target, self._work[share.thread], self.steady)
+                    g.physics.tangent(c, self.state, targets[share.thread], self._work[share.thread], self.steady)
                 except PoreCollapse as e:
                     raise g.named(e) from None
 
         self.schedule.map(work)
-        Fd[self.eqs.rows] = target.Fd
+        for target in targets:
+            target.finish()
+        Fd[self.eqs.rows] = rows
         if self.ties is not None:
-            Fd += target.Fb
+            Fd += tied
         for g in self.groups:
             for K, nodes, columns in g.physics.couplings(self.state, A.symmetric):
                 self._add(A, K, nodes, columns, step, Fd)

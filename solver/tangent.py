@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import prod
-from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .group import Group
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
 _NO_BLOCKS = np.empty((0, 0, 0))
 _NONE = np.empty((0, 0))
 
@@ -42,16 +43,25 @@ class Workspace:
 
 
 class Target:
-    """The matrix values under assembly and the prescribed columns times their increments, by matrix row."""
+    """The matrix values under assembly and the prescribed columns times their increments, as one thread adds to them.
 
-    def __init__(self, pat: Pattern, A: Matrix, step: Floats) -> None:
-        self.pat, self.A, self.data, self.step = pat, A, A.data, step
-        self.Fd = np.zeros(len(pat.indptr) - 1)
-        self.Fb = np.zeros(pat.eqs.n if pat.ties is not None else 0)  # the ties' share, by equation
-        self.lock = Lock()
+    ``Fd``: by matrix row, ``Fb``: the ties' share, by equation. What elements of other threads add to as well the
+    first thread alone adds to at once; the others keep it for :meth:`finish`, when all are done: sums have one order,
+    and the same bits each time.
+    """
+
+    def __init__(self, pat: Pattern, A: Matrix, step: Floats, Fd: Floats, Fb: Floats, first: bool = True) -> None:
+        self.pat, self.A, self.data, self.step, self.Fd, self.Fb, self.first = pat, A, A.data, step, Fd, Fb, first
+        self._left: list[Callable[[], None]] = []
+
+    def finish(self) -> None:
+        """Add what was kept, one thread after another."""
+        for add in self._left:
+            add()
+        self._left.clear()
 
     def add_blocks(self, g: Group, lo: int, hi: int, B: Floats, U: Floats) -> None:
-        """Add upper blocks of elements lo:hi: contended ones one thread at a time."""
+        """Add upper blocks of elements lo:hi."""
         p, nd = self.pat, len(g.columns) * g.n
         at = p.unknowns(g)
         if not at.ordered:  # the blocks are of the upper triangle for columns that ascend alone
@@ -59,12 +69,19 @@ class Target:
             blocks.expand(hi - lo, B, U, False, K)
             self.add(g, lo, hi, K)
             return
-        contended, back = p.contended(g)[lo:hi], p.back(g)
-        rest = (at.row, at.given, p.lead, at.size, p.indptr, self.data, self.step, self.Fd)
-        pattern.scatter_upper(lo, hi, ~contended, B, U, g.conn, back, *rest)
-        if contended.any():
-            with self.lock:
-                pattern.scatter_upper(lo, hi, contended, B, U, g.conn, back, *rest)
+        conn, back = g.conn[lo:hi], p.back(g)[lo:hi]
+
+        def put(some: NDArray[np.bool_], B: Floats, U: Floats, conn: Ints, back: Ints) -> None:
+            rest = (at.row, at.given, p.lead, at.size, p.indptr, self.data, self.step, self.Fd)
+            pattern.scatter_upper(0, len(conn), some, B, U, conn, back, *rest)
+
+        contended = p.contended(g)[lo:hi]
+        put(~contended, B, U, conn, back)
+        if self.first:
+            put(contended, B, U, conn, back)
+        elif contended.any():
+            kept = B[contended], U[contended] if len(U) else U, conn[contended], back[contended]
+            self._left.append(lambda: put(np.ones(len(kept[0]), bool), *kept))
         if p.ties is not None:
             rows = p.tied(g, lo, hi)
             if len(rows):
@@ -72,26 +89,40 @@ class Target:
                 blocks.expand(len(rows), B[rows - lo], U[rows - lo] if len(U) else U, False, K)
                 self._condense(g, rows, K)
 
-    def _condense(self, g: Group, rows: NDArray[np.int64], K: Floats) -> None:
-        """Add matrices K of elements ``rows`` at the masters of tied unknowns."""
-        p = self.pat
-        assert p.ties is not None
-        columns, nodes = np.repeat(g.columns, g.n), np.tile(g.conn[rows], (1, len(g.columns)))
-        with self.lock:
-            p.ties.scatter(p.eqs, self.A, K, nodes, columns, self.step, self.Fb)
-
     def add(self, g: Group, lo: int, hi: int, K: Floats) -> None:
         """Add full matrices K (hi - lo, c n, c n) of elements lo:hi, component-major over the group's columns."""
         p, at = self.pat, self.pat.unknowns(g)
-        with self.lock:
-            pattern.scatter(
-                lo, hi, K, g.conn, p.back(g), at.row, at.given, p.lead, p.indptr, self.data, self.step, self.Fd,
-                p.symmetric,
-            )  # fmt: skip
+        conn, back = g.conn[lo:hi], p.back(g)[lo:hi]
+
+        def put(K: Floats, conn: Ints, back: Ints) -> None:
+            rest = (at.row, at.given, p.lead, p.indptr, self.data, self.step, self.Fd, p.symmetric)
+            pattern.scatter(0, len(K), K, conn, back, *rest)
+
+        contended = p.contended(g)[lo:hi]
+        if self.first or not contended.any():
+            put(K, conn, back)
+        else:
+            own, kept = ~contended, (K[contended], conn[contended], back[contended])
+            put(K[own], conn[own], back[own])
+            self._left.append(lambda: put(*kept))
         if p.ties is not None:
             rows = p.tied(g, lo, hi)
             if len(rows):
                 self._condense(g, rows, K[rows - lo])
+
+    def _condense(self, g: Group, rows: NDArray[np.int64], K: Floats) -> None:
+        """Add matrices K of elements ``rows`` at the masters of tied unknowns."""
+        columns, nodes = np.repeat(g.columns, g.n), np.tile(g.conn[rows], (1, len(g.columns)))
+
+        def put() -> None:
+            ties = self.pat.ties
+            assert ties is not None
+            ties.scatter(self.pat.eqs, self.A, K, nodes, columns, self.step, self.Fb)
+
+        if self.first:
+            put()
+        else:
+            self._left.append(put)
 
 
 def upper_blocks(

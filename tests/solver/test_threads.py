@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from febkit.solver import schedule, tangent
+from febkit.solver import schedule
 from febkit.solver.group import Group
 from febkit.solver.kernels import pattern as kernels
 from febkit.solver.linear.base import Matrix
@@ -75,9 +75,6 @@ CASES: dict[str, dict[str, Any]] = {
     "mixture, not symmetric": {"permeability": HolmesMow(0.1, 1.0, 2.0)},
     "tied": {"solid": True, "tied": True},
 }
-UNLIKE = "mixture, not symmetric"  # full matrices are added by one thread at a time, all of them
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_two_threads_assemble_what_one_does(case: str) -> None:
     """Entries that elements of both threads add to are among them."""
@@ -90,32 +87,30 @@ def test_two_threads_assemble_what_one_does(case: str) -> None:
 
 
 class Watch:
-    """Whose share is at work, whether it holds the lock, and what entries of matrix and right side each adds to."""
+    """Whose share is at work, whether others are as well, and what entries of matrix and right side each adds to."""
 
-    def __init__(self) -> None:
-        self.share, self.locked = 0, False
+    def __init__(self, backwards: bool = False) -> None:
+        self.share, self.alone, self.backwards = 0, True, backwards
         self.adds: list[tuple[int, bool, np.ndarray]] = []
 
-    def __enter__(self) -> None:
-        self.locked = True
-
-    def __exit__(self, *_: object) -> None:
-        self.locked = False
-
     def map(self, work: Any, k: int) -> None:
-        """A team that works off one share after the other."""
-        for self.share in range(k):
-            work(self.share)
+        """A team that works off one share after the other, the last one first if ``backwards``."""
+        self.alone = False
+        for i in reversed(range(k)) if self.backwards else range(k):
+            self.share = i
+            work(i)
+        self.alone = True
 
     def note(self, *values: np.ndarray) -> None:
         touched = np.concatenate([np.asarray(v).ravel() != 0.0 for v in values])
-        self.adds.append((self.share, self.locked, touched))
+        self.adds.append((self.share, self.alone, touched))
 
     def check(self) -> None:
-        """What a share adds to without the lock, no other share adds to at all."""
-        for one, locked, mine in self.adds:
-            for other, _, theirs in self.adds:
-                assert locked or one == other or not (mine & theirs).any()
+        """What a share adds to while others are at work, none of them adds to then."""
+        at_once = [(share, touched) for share, alone, touched in self.adds if not alone]
+        for one, mine in at_once:
+            for other, theirs in at_once:
+                assert one == other or not (mine & theirs).any()
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -136,20 +131,33 @@ def test_no_two_threads_add_to_an_entry_at_once(case: str, layers: int, monkeypa
     def condensed(self: Ties, eqs: Any, A: Any, K: Any, nodes: Any, columns: Any, step: Any, Fd: Any) -> None:
         trial, f = Matrix(A.indptr, A.indices, np.zeros_like(A.data), A.symmetric), np.zeros_like(Fd)
         condense(self, eqs, trial, np.ones_like(K), nodes, columns, step, f)
-        watch.note(trial.data, np.zeros(eqs.n - len(eqs.given)))  # its right side has rows of its own, under the lock
+        watch.note(trial.data, np.zeros(eqs.n - len(eqs.given)))  # its right side has rows of its own
         condense(self, eqs, A, K, nodes, columns, step, Fd)
 
     monkeypatch.setattr(kernels, "scatter_upper", partial(noted, upper, data=12, Fd=14, K=(3, 4)))
     monkeypatch.setattr(kernels, "scatter", partial(noted, full, data=9, Fd=11, K=(2,)))
     monkeypatch.setattr(Ties, "scatter", condensed)
-    monkeypatch.setattr(tangent, "Lock", lambda: watch)
     monkeypatch.setattr(Team, "map", lambda _, work, k: watch.map(work, k))
     monkeypatch.setattr(schedule, "LEAST", 1)
     p = problem(**CASES[case])
     s = assembled(p, SIDE // layers, SIDE**2)[0]
     assert len({share for share, _, _ in watch.adds}) == s.schedule.n == SIDE // layers
-    assert any(not locked and touched.any() for _, locked, touched in watch.adds) == (layers == 3 and case != UNLIKE)
+    later = [touched for share, alone, touched in watch.adds if share and not alone]
+    assert any(touched.any() for touched in later) == (layers == 3)
     watch.check()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_sums_have_the_same_bits_whichever_thread_is_first(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(schedule, "LEAST", 1)
+    found = []
+    for backwards in (False, True):
+        watch = Watch(backwards)
+        monkeypatch.setattr(Team, "map", staticmethod(watch.map))
+        s, R, A, Fd = assembled(problem(**CASES[case]), 3, SIDE**2)
+        assert s.schedule.n == 3
+        found.append(R.tobytes() + A.data.tobytes() + Fd.tobytes())
+    assert found[0] == found[1]
 
 
 class Shares(Listener):
