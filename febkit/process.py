@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import NoReturn
 
 
@@ -32,6 +33,29 @@ def keep_freed_memory() -> None:
         trim, map_above = -1, -3
         mallopt(trim, 256 << 20)
         mallopt(map_above, 32 << 20)
+
+
+_STATUS, _REFERENCES = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+
+
+def forget_peak() -> None:
+    """The peak of the memory begins anew, where the system can (Linux, proc(5))."""
+    with suppress(OSError):
+        _REFERENCES.write_text("5")
+
+
+def peak_memory() -> float | None:
+    """MB that were resident at most since :func:`forget_peak`, or since the process began where that can do nothing;
+    None where the system does not tell (Windows)."""
+    with suppress(OSError):
+        held = next(q for q in _STATUS.read_text().splitlines() if q.startswith("VmHWM:"))
+        return round(int(held.split()[1]) / 1e3, 1)
+    try:
+        import resource
+    except ImportError:
+        return None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(most / (1e6 if sys.platform == "darwin" else 1e3), 1)
 
 
 @contextmanager

@@ -101,6 +101,7 @@ def solve(job: Job) -> None:
     from febkit import feb, process
 
     process.keep_freed_memory()
+    process.forget_peak()  # of solves that this process did before
     model = feb.read(job.inputs["model"] / MODEL)
     said: list[str] = []
     result = _solved(job, model, said, job.tried.every)
@@ -117,7 +118,9 @@ def solve(job: Job) -> None:
     job.record["steps"], job.record["iterations"] = result.totals.steps, result.totals.iterations
     job.record["compiling_seconds"] = round(result.totals.seconds.get("compiling", 0.0), 3)  # in "seconds" too
     job.record["warnings"] = said
-    job.record["peak_memory_mb"] = _peak_memory()
+    peak = process.peak_memory()
+    if peak is not None:
+        job.record["peak_memory_mb"] = peak
 
 
 def _solved(job: Job, model: Model, said: list[str], every: str = "") -> Result:
@@ -253,15 +256,6 @@ def sample(job: Job) -> None:
     from febkit.sampling.runs import batch
 
     batch(job.files["model"], job.params, job.folder)
-
-
-def _peak_memory() -> float:
-    """MB this process has held at most, this step or an earlier one."""
-    import resource
-    import sys
-
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return round(peak / (1e6 if sys.platform == "darwin" else 1e3), 1)
 
 
 KINDS: Mapping[str, Callable[[Job], None]] = {

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import febkit
@@ -15,6 +17,7 @@ from febkit.solver.run import Listener
 from febkit.solving import solve
 from febkit.study import work
 from febkit.study.store import Store
+from helpers import memory
 
 
 def pressed(folder: Path, by: float) -> Path:
@@ -71,6 +74,16 @@ def test_an_interrupted_solve_goes_on_in_the_next_sitting(tmp_path, model, monke
     one, other = (store.path(k * 32) / work.RESULTS for k in "ab")
     assert one.read_bytes() == other.read_bytes()
     assert (store.path("b" * 32) / "run.log").is_file()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the system does not let a process forget its peak")
+def test_each_solve_is_told_its_own_peak_of_memory(tmp_path, model):
+    """Not that of a larger one that the process did before."""
+    store = Store(tmp_path / "study")
+    large = np.ones(100_000_000)  # 800 MB
+    before = memory.peak()
+    del large
+    assert sitting(store, model, "a" * 32)["peak_memory_mb"] < 1e-3 * before - 600.0
 
 
 def test_what_another_febkit_began_is_begun_anew(tmp_path, model, monkeypatch):
