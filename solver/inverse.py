@@ -83,6 +83,13 @@ class Factor:
         """Is it of single precision?"""
         return bool(getattr(self.solver, "single", False))
 
+    @property
+    def loose(self) -> bool:
+        """Is a motion held by rounding alone? Iterations know nothing of it, nor does single precision: a pivot of
+        rounding is like others there, and that pivots are looked for is all that shows."""
+        stats, found = self.solver.stats, not getattr(self.solver, "pivoting", True)
+        return stats.get("perturbed_pivots", 0.0) > 0.0 or bool(self.single and found and stats["pivoting"])
+
     def double(self) -> None:
         """The next one is of double precision."""
         cast("Precise", self.solver).single = False
@@ -142,7 +149,7 @@ class Inverse:
         if self._inner is not None:
             self._vain = 0
         f = self.near(dt, WIDE_RATIO) if self.use.exact and self._kept and self._dear else None
-        if f is None or f.tired(self.ratio) or f.rough >= ROUGH:
+        if f is None or f.tired(self.ratio) or f.rough >= ROUGH or f.loose:
             return False
         if self._skip:
             self._skip -= 1
@@ -219,7 +226,7 @@ class Inverse:
             if b.any():
                 parts = [(more[own], x[own]) for own in self._fields] or [(more, x)]
                 f.rough = max(norm(d) / (norm(q) or 1.0) for d, q in parts)
-                if not f.rough < ROUGH:
+                if not f.rough < ROUGH or f.loose:
                     return self._doubled(b, f) if self.use.doubles else self._iterated(b, f)
             return x
         while error > PLAIN:
