@@ -9,7 +9,6 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import NoReturn
 
 
@@ -35,21 +34,19 @@ def keep_freed_memory() -> None:
         mallopt(map_above, 32 << 20)
 
 
-_STATUS, _REFERENCES = Path("/proc/self/status"), Path("/proc/self/clear_refs")
-
-
 def forget_peak() -> None:
     """The peak of the memory begins anew, where the system can (Linux, proc(5))."""
-    with suppress(OSError):
-        _REFERENCES.write_text("5")
+    with suppress(OSError), open("/proc/self/clear_refs", "w") as references:
+        references.write("5")
 
 
 def peak_memory() -> float | None:
     """MB that were resident at most since :func:`forget_peak`, or since the process began where that can do nothing;
     None where the system does not tell (Windows)."""
-    with suppress(OSError):
-        held = next(q for q in _STATUS.read_text().splitlines() if q.startswith("VmHWM:"))
-        return round(int(held.split()[1]) / 1e3, 1)
+    with suppress(OSError), open("/proc/self/status") as status:
+        for line in status:
+            if line.startswith("VmHWM:"):
+                return round(int(line.split()[1]) / 1e3, 1)
     try:
         import resource
     except ImportError:

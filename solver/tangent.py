@@ -50,7 +50,7 @@ class Target:
     and the same bits each time.
     """
 
-    def __init__(self, pat: Pattern, A: Matrix, step: Floats, Fd: Floats, Fb: Floats, first: bool = True) -> None:
+    def __init__(self, pat: Pattern, A: Matrix, step: Floats, Fd: Floats, Fb: Floats, first: bool) -> None:
         self.pat, self.A, self.data, self.step, self.Fd, self.Fb, self.first = pat, A, A.data, step, Fd, Fb, first
         self._left: list[Callable[[], None]] = []
 

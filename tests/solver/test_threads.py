@@ -75,6 +75,8 @@ CASES: dict[str, dict[str, Any]] = {
     "mixture, not symmetric": {"permeability": HolmesMow(0.1, 1.0, 2.0)},
     "tied": {"solid": True, "tied": True},
 }
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_two_threads_assemble_what_one_does(case: str) -> None:
     """Entries that elements of both threads add to are among them."""
